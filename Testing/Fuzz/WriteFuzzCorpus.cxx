@@ -14,6 +14,8 @@
 #include "Storage/Store/BlockStore.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -396,6 +398,73 @@ void AddDicomImages(Corpus& corpus)
   corpus.Add("DicomDataSet", "without-preamble", file);
 }
 
+/// A stream of bytes that repeat, other ones in each 64 KiB, and reads of it.
+void AddGzipStream(
+  Corpus& corpus, const std::string& name, int header, std::size_t size, std::size_t members)
+{
+  Bytes samples(size);
+  for (std::size_t at = 0; at < size; ++at)
+  {
+    samples[at] = static_cast<std::uint8_t>(at % 3 * 61 + (at >> 16));
+  }
+  Bytes input;
+  const auto appendNumber = [&input](std::size_t number)
+  {
+    for (int shift = 0; shift < 24; shift += 8)
+    {
+      input.push_back(static_cast<std::uint8_t>(number >> shift));
+    }
+  };
+  appendNumber(members * size);
+  input.push_back(4);
+  for (const std::size_t tenth : { 9, 1, 5, 0 })
+  {
+    appendNumber(members * size * tenth / 10);
+    appendNumber(size / 10);
+  }
+  for (std::size_t member = 0; member < members; ++member)
+  {
+    z_stream state = {};
+    if (::deflateInit2(&state, 9, Z_DEFLATED, header, 9, Z_DEFAULT_STRATEGY) != Z_OK)
+    {
+      corpus.Fail();
+      return;
+    }
+    Bytes stream(::deflateBound(&state, size));
+    state.next_in = samples.data();
+    state.avail_in = static_cast<uInt>(size);
+    state.next_out = stream.data();
+    state.avail_out = static_cast<uInt>(stream.size());
+    ::deflate(&state, Z_FINISH);
+    stream.resize(state.total_out);
+    ::deflateEnd(&state);
+    Append(input, stream);
+  }
+  corpus.Add("GzipFile", name, input);
+}
+
+void AddGzipStreams(Corpus& corpus)
+{
+  AddGzipStream(corpus, "gzip", 15 + 16, 3000, 1);
+  AddGzipStream(corpus, "zlib", 15, 3000, 1);
+  AddGzipStream(corpus, "members", 15 + 16, 700, 3);
+  AddGzipStream(corpus, "places", 15 + 16, 13 << 20, 1);
+  AddGzipStream(corpus, "places-of-members", 15 + 16, 5 << 20, 3);
+}
+
+/// The journal that is left, and changes of the files beside it.
+void AddUnfinishedWrites(Corpus& corpus)
+{
+  corpus.Add("UnfinishedWrite", "as-left", { 0 });
+  for (std::uint8_t file = 0; file < 6; ++file)
+  {
+    const std::string number = std::to_string(file);
+    corpus.Add("UnfinishedWrite", "changed-" + number, { 0, file, 60, 0, 0, 2, 255, 255 });
+    const auto cut = static_cast<std::uint8_t>(128 + file);
+    corpus.Add("UnfinishedWrite", "truncated-" + number, { 0, cut, 50, 0, 0, 0 });
+  }
+}
+
 } // namespace
 
 int main(int argc, char* argv[])
@@ -421,6 +490,8 @@ int main(int argc, char* argv[])
   AddTrees(corpus);
   AddEdgeIndexFiles(corpus);
   AddDicomImages(corpus);
+  AddGzipStreams(corpus);
+  AddUnfinishedWrites(corpus);
   if (!corpus.IsOk())
   {
     std::fprintf(stderr, "%s: the corpus cannot be written\n", argv[1]);
