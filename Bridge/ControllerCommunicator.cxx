@@ -15,6 +15,8 @@
 #include <algorithm>
 #include <chrono>
 #include <list>
+#include <new>
+#include <numeric>
 #include <string>
 #include <thread>
 #include <utility>
@@ -108,14 +110,45 @@ int ControllerCommunicator::GetRanksOnNode()
   return static_cast<int>(std::count(hosts.begin(), hosts.end(), mine));
 }
 
+template <typename Allocate>
+void ControllerCommunicator::AllocateTogether(std::size_t largest, const Allocate& allocate)
+{
+  if (largest < AgreedBytes)
+  {
+    allocate();
+    return;
+  }
+  int isAllocated = 1;
+  try
+  {
+    allocate();
+  }
+  catch (const std::bad_alloc&)
+  {
+    isAllocated = 0;
+  }
+  int areAllocated = 0;
+  this->Controller->AllReduce(&isAllocated, &areAllocated, 1, vtkCommunicator::MIN_OP);
+  if (areAllocated == 0)
+  {
+    throw NoMemoryForMessages();
+  }
+}
+
 void ControllerCommunicator::Reduce(std::vector<std::uint64_t>& values, int operation)
 {
   if (this->GetSize() == 1 || values.empty())
   {
     return;
   }
-  std::vector<unsigned long long> mine(values.begin(), values.end());
-  std::vector<unsigned long long> all(values.size());
+  std::vector<unsigned long long> mine;
+  std::vector<unsigned long long> all;
+  this->AllocateTogether(values.size() * sizeof(values[0]),
+    [&]
+    {
+      mine.assign(values.begin(), values.end());
+      all.resize(values.size());
+    });
   this->Controller->AllReduce(
     mine.data(), all.data(), static_cast<vtkIdType>(mine.size()), operation);
   std::copy(all.begin(), all.end(), values.begin());
@@ -137,7 +170,7 @@ void ControllerCommunicator::ReduceSum(std::vector<std::uint64_t>& values)
 }
 
 void ControllerCommunicator::GatherPart(const Message& mine, std::size_t offset, std::size_t part,
-  const std::vector<vtkIdType>& lengths, std::vector<Message>& messages)
+  const std::vector<vtkIdType>& lengths, Message& all, std::vector<Message>& messages)
 {
   std::vector<vtkIdType> sizes(lengths.size());
   std::vector<vtkIdType> offsets(lengths.size());
@@ -150,7 +183,7 @@ void ControllerCommunicator::GatherPart(const Message& mine, std::size_t offset,
     total += sizes[rank];
   }
   const auto own = static_cast<std::size_t>(this->GetRank());
-  Message all(static_cast<std::size_t>(total));
+  all.resize(static_cast<std::size_t>(total));
   this->Controller->AllGatherV(mine.data() + std::min(offset, mine.size()), all.data(), sizes[own],
     sizes.data(), offsets.data());
   for (std::size_t rank = 0; rank < lengths.size(); ++rank)
@@ -170,18 +203,26 @@ std::vector<Message> ControllerCommunicator::AllGather(const Message& mine)
   const auto length = static_cast<vtkIdType>(mine.size());
   std::vector<vtkIdType> lengths(ranks);
   this->Controller->AllGather(&length, lengths.data(), 1);
-  std::vector<Message> messages(ranks);
-  for (int rank = 0; rank < ranks; ++rank)
-  {
-    messages[rank].reserve(static_cast<std::size_t>(lengths[rank]));
-  }
   // The parts of all ranks arrive in one array, whose places MPI counts in int, too.
   const std::size_t part =
     std::max<std::size_t>(this->PartBytes / static_cast<std::size_t>(ranks), 1);
   const auto largest = static_cast<std::size_t>(*std::max_element(lengths.begin(), lengths.end()));
+  const auto total =
+    static_cast<std::size_t>(std::accumulate(lengths.begin(), lengths.end(), vtkIdType{ 0 }));
+  std::vector<Message> messages(ranks);
+  Message all;
+  this->AllocateTogether(total,
+    [&]
+    {
+      for (int rank = 0; rank < ranks; ++rank)
+      {
+        messages[rank].reserve(static_cast<std::size_t>(lengths[rank]));
+      }
+      all.reserve(std::min(total, part * static_cast<std::size_t>(ranks)));
+    });
   for (std::size_t offset = 0; offset < largest; offset += part)
   {
-    this->GatherPart(mine, offset, part, lengths, messages);
+    this->GatherPart(mine, offset, part, lengths, all, messages);
   }
   return messages;
 }
@@ -213,13 +254,28 @@ void ControllerCommunicator::PrepareIncoming(
   }
   std::vector<vtkIdType> table(static_cast<std::size_t>(ranks) * ranks);
   this->Controller->AllGather(lengths.data(), table.data(), ranks);
-  for (int rank = 0; rank < ranks; ++rank)
+  std::size_t largest = 0;
+  for (int receiver = 0; receiver < ranks; ++receiver)
   {
-    if (rank != me)
+    std::size_t received = 0;
+    for (int rank = 0; rank < ranks; ++rank)
     {
-      incoming[rank].resize(table[static_cast<std::size_t>(rank) * ranks + me]);
+      received +=
+        static_cast<std::size_t>(table[static_cast<std::size_t>(rank) * ranks + receiver]);
     }
+    largest = std::max(largest, received);
   }
+  this->AllocateTogether(largest,
+    [&]
+    {
+      for (int rank = 0; rank < ranks; ++rank)
+      {
+        if (rank != me)
+        {
+          incoming[rank].resize(table[static_cast<std::size_t>(rank) * ranks + me]);
+        }
+      }
+    });
 }
 
 bool ControllerCommunicator::ExchangeWithoutBlocking(

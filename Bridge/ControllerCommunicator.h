@@ -25,12 +25,18 @@ namespace isosurface
  * and sleeps in between, so that other threads of the process can use the core.
  *
  * VTK's messages count in vtkIdType, but MPI counts in int: longer messages go in several parts.
+ *
+ * Where any rank needs AgreedBytes or more for what it reduces or receives, the ranks agree that all
+ * have the memory before they send: else all throw NoMemoryForMessages.
  */
 class ISOSURFACEBRIDGE_EXPORT ControllerCommunicator : public Communicator
 {
 public:
   /// As many bytes as any implementation of MPI sends in one call.
   static constexpr std::size_t LargestPart = std::size_t{ 1 } << 30;
+
+  /// The cost of agreeing, one more reduction, is small beside messages of so many bytes.
+  static constexpr std::size_t AgreedBytes = 1024;
 
   /// A call of MPI sends, or gathers from all ranks, at most `largestPart` bytes; but at least one
   /// from each rank. More than LargestPart means LargestPart. The same on all ranks.
@@ -53,9 +59,14 @@ public:
 
 private:
   void Reduce(std::vector<std::uint64_t>& values, int operation);
-  /// Appends up to `part` bytes of each rank's message, from `offset` on, to `messages`.
+  /// Allocates memory for messages, of which a rank may need `largest` bytes, the same number on all
+  /// ranks. Collective.
+  template <typename Allocate>
+  void AllocateTogether(std::size_t largest, const Allocate& allocate);
+  /// Appends up to `part` bytes of each rank's message, from `offset` on, to `messages`; `all`: takes
+  /// them together.
   void GatherPart(const Message& mine, std::size_t offset, std::size_t part,
-    const std::vector<vtkIdType>& lengths, std::vector<Message>& messages);
+    const std::vector<vtkIdType>& lengths, Message& all, std::vector<Message>& messages);
   void Send(const Message& message, int rank);
   void Receive(Message& message, int rank);
   /// Resizes the messages that other ranks will send. Collective.

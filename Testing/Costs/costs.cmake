@@ -7,6 +7,7 @@ foreach(test IN ITEMS
     Plugin.SurfacesHaveTheStockImageOn1Ranks=60
     Formats.EdgeIndexReaderMadeFromTheSpecificationFindsTheSurface=48
     Plugin.GuiViewsSelectionsUndoAndFramesAreByHand=46
+    Parallel.LackOfMemoryForMessagesIsToldByAllOn3Ranks=45
     Core.EdgeIndexWriteJob=45
     Plugin.GuiSavesTheFullSurfaceAndAsksAboutMemory=41
     Formats.ReaderMadeFromTheSpecificationFindsTheSource=40

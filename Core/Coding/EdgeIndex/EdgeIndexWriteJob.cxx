@@ -55,15 +55,13 @@ EdgeIndexWriteJob::EdgeIndexWriteJob(Communicator& ranks, FileSystem& files, std
 
 Result<EdgeIndexFileSummary> EdgeIndexWriteJob::Run(const Progress& progress)
 {
-  Status status = this->Begin();
-  if (status.IsOk())
-  {
-    status = this->WriteRounds(progress);
-  }
-  if (status.IsOk())
-  {
-    status = this->Finish();
-  }
+  const Status status = RunCollective(this->Path,
+    [&]() -> Status
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->Begin());
+      ISOSURFACE_RETURN_IF_ERROR(this->WriteRounds(progress));
+      return this->Finish();
+    });
   if (!status.IsOk())
   {
     this->File.reset();

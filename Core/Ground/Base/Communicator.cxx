@@ -11,6 +11,11 @@
 namespace isosurface
 {
 
+const char* NoMemoryForMessages::what() const noexcept
+{
+  return "a rank has not enough memory for the messages between ranks";
+}
+
 void Communicator::Deliver(std::vector<Message> outgoing, std::vector<Message>& incoming,
   const std::function<void(int rank)>& arrived)
 {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -27,10 +28,34 @@ struct CommonValue
 /// The content of a file, told by its fingerprint, which ranks may see differently under its path.
 CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint);
 
+/// What a collective throws on all ranks if one of them has not enough memory for its messages. Then
+/// nothing was sent, and the ranks may go on to another collective.
+class NoMemoryForMessages : public std::bad_alloc
+{
+public:
+  const char* what() const noexcept override;
+};
+
+/// Runs collective steps. NoMemoryForMessages is an error of all ranks then, OutOfMemory: `path`, and
+/// the reason.
+template <typename Steps>
+auto RunCollective(const std::string& path, const Steps& steps) -> decltype(steps())
+{
+  try
+  {
+    return steps();
+  }
+  catch (const NoMemoryForMessages& exception)
+  {
+    return Status(StatusCode::OutOfMemory, path + ": " + exception.what());
+  }
+}
+
 /**
  * The communication that the parallel algorithms of Core need. Every function is collective: all
  * ranks call it, in the same order. The VTK classes implement it with a vtkMultiProcessController;
- * SerialCommunicator is a group of one rank.
+ * SerialCommunicator is a group of one rank. Reductions and messages of a few KiB and more may throw
+ * NoMemoryForMessages.
  */
 class Communicator
 {

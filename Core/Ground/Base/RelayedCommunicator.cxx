@@ -43,8 +43,17 @@ bool RelayedCommunicator::Serve(
     ranks.ReduceMinimum(all);
     if (all[0] != 0)
     {
-      (*operation)(ranks);
+      bool lacksMemory = false;
+      try
+      {
+        (*operation)(ranks);
+      }
+      catch (const NoMemoryForMessages&)
+      {
+        lacksMemory = true;
+      }
       const std::lock_guard<std::mutex> lock(this->Mutex);
+      this->LacksMemory = lacksMemory;
       this->Waiting = nullptr;
       this->Changed.notify_all();
     }
@@ -72,6 +81,10 @@ void RelayedCommunicator::Relay(const Operation& operation)
   {
     this->Waiting = nullptr;
     throw std::runtime_error("the ranks no longer work together");
+  }
+  if (std::exchange(this->LacksMemory, false))
+  {
+    throw NoMemoryForMessages();
   }
 }
 

@@ -16,7 +16,8 @@ namespace isosurface
 /**
  * The ranks as a background thread sees them, where only one thread of the process may communicate
  * (MPI). Each collective of the background threads waits until the threads that may communicate
- * have performed it: they call Serve() now and then, all ranks together.
+ * have performed it: they call Serve() now and then, all ranks together. NoMemoryForMessages is thrown
+ * in the background threads.
  *
  * Every function but those of Communicator is for the thread that may communicate.
  */
@@ -58,6 +59,7 @@ private:
   std::mutex Mutex;
   std::condition_variable Changed;
   const Operation* Waiting = nullptr; ///< of the background thread, guarded by the mutex
+  bool LacksMemory = false;           ///< whether it ended with NoMemoryForMessages; guarded, too
   bool IsClosed = false;              ///< guarded by the mutex
 };
 

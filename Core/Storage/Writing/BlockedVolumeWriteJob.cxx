@@ -25,7 +25,8 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
   // First of all, so that a second writer fails before it has done any work.
   ISOSURFACE_RETURN_IF_ERROR(
     this->Context.AgreeOn(this->Context.Rank == 0 ? this->LockVolume() : Status::Ok()));
-  const Status status = this->WriteVolume(grid, arrays, pending);
+  const Status status =
+    RunCollective(this->Context.Path, [&] { return this->WriteVolume(grid, arrays, pending); });
   if (!status.IsOk())
   {
     this->Volume.reset();

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One rank of several that runs out of memory for the messages of MPI, at each of its larger buffers:
+// all ranks end with the same error, none waits, and the next try succeeds.
+#include "RankGroup.h"
+
+#include "ControllerCommunicator.h"
+#include "ScratchFolder.h"
+
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
+#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
+#include "Fixtures/LongTests.h"
+#include "Fixtures/Require.h"
+#include "Fixtures/TestBlockSource.h"
+#include "Formats/Indexing/GrowingIndex.h"
+#include "Formats/Opener/ForeignVolume.h"
+#include "Storage/Verification/VolumeVerification.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <new>
+
+namespace
+{
+
+/// Of a thread in a collective: the larger allocations until one fails; below 0: none does.
+thread_local long BuffersLeft = -1;
+bool HasLacked = false;
+
+void* AllocateBuffer(std::size_t size)
+{
+  if (BuffersLeft >= 0 && size >= isosurface::ControllerCommunicator::AgreedBytes &&
+    BuffersLeft-- == 0)
+  {
+    HasLacked = true;
+    throw std::bad_alloc();
+  }
+  void* memory = std::malloc(size == 0 ? 1 : size);
+  if (!memory)
+  {
+    throw std::bad_alloc();
+  }
+  return memory;
+}
+
+} // namespace
+
+void* operator new(std::size_t size)
+{
+  return AllocateBuffer(size);
+}
+void* operator new[](std::size_t size)
+{
+  return AllocateBuffer(size);
+}
+void operator delete(void* memory) noexcept
+{
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept
+{
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept
+{
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept
+{
+  std::free(memory);
+}
+
+using namespace isosurface;
+
+namespace
+{
+
+/// The ranks of MPI, of which this one lacks memory for one of its buffers.
+class StarvedRanks : public ControllerCommunicator
+{
+public:
+  /// `buffer`: its number, from 0; below 0: none.
+  explicit StarvedRanks(long buffer)
+    : ControllerCommunicator(::GetRanks())
+    , Left(buffer)
+  {
+  }
+
+  void ReduceMinimum(std::vector<std::uint64_t>& values) override
+  {
+    const Hunger hunger(this->Left);
+    this->ControllerCommunicator::ReduceMinimum(values);
+  }
+  void ReduceMaximum(std::vector<std::uint64_t>& values) override
+  {
+    const Hunger hunger(this->Left);
+    this->ControllerCommunicator::ReduceMaximum(values);
+  }
+  void ReduceSum(std::vector<std::uint64_t>& values) override
+  {
+    const Hunger hunger(this->Left);
+    this->ControllerCommunicator::ReduceSum(values);
+  }
+  std::vector<Message> AllGather(const Message& mine) override
+  {
+    const Hunger hunger(this->Left);
+    return this->ControllerCommunicator::AllGather(mine);
+  }
+  std::vector<Message> Exchange(std::vector<Message> outgoing) override
+  {
+    const Hunger hunger(this->Left);
+    return this->ControllerCommunicator::Exchange(std::move(outgoing));
+  }
+
+private:
+  /// Counts buffers while a collective lasts.
+  class Hunger
+  {
+  public:
+    explicit Hunger(long& left)
+      : Left(left)
+    {
+      BuffersLeft = left;
+    }
+    ~Hunger() { this->Left = std::exchange(BuffersLeft, -1); }
+
+  private:
+    long& Left;
+  };
+
+  long Left;
+};
+
+/// A folder that all ranks see, which the first one makes and removes.
+class CommonFolder
+{
+public:
+  CommonFolder()
+    : Path((std::filesystem::current_path() / ("messages-" + std::to_string(GetNumberOfRanks()))))
+  {
+    OnFirstRank(
+      [this]
+      {
+        std::filesystem::remove_all(this->Path);
+        std::filesystem::create_directories(this->Path);
+      });
+  }
+  ~CommonFolder()
+  {
+    OnFirstRank([this] { std::filesystem::remove_all(this->Path); });
+  }
+  std::string GetPath(const std::string& name) const { return (this->Path / name).string(); }
+
+private:
+  std::filesystem::path Path;
+};
+
+using Deed = std::function<Status(Communicator& ranks)>;
+
+/// Expects all ranks to have the same error whichever buffer one of them lacks, every `step`-th of
+/// them, and none without.
+void ForEachBuffer(const std::string& path, long step, const Deed& deed)
+{
+  for (const int odd : { 0, GetNumberOfRanks() - 1 })
+  {
+    std::uint64_t lacked = 1;
+    long buffer = odd % step;
+    for (; lacked != 0 && buffer < 1000; buffer += step)
+    {
+      HasLacked = false;
+      StarvedRanks ranks(GetRank() == odd ? buffer : -1);
+      const Status status = deed(ranks);
+      lacked = SumOverRanks(HasLacked ? 1 : 0);
+      const std::string expected =
+        lacked == 0 ? "" : path + ": a rank has not enough memory for the messages between ranks";
+      EXPECT_EQ(status.GetMessage(), expected) << "buffer " << buffer << " of rank " << odd;
+      EXPECT_EQ(status.GetCode(), lacked == 0 ? StatusCode::Ok : StatusCode::OutOfMemory);
+    }
+    EXPECT_GT(buffer, 3) << "the test watches nothing";
+  }
+}
+
+SampleVolume<std::uint8_t> MakeMessageVolume(const Index3& size)
+{
+  return SampleVolume<std::uint8_t>(
+    size, [](auto i, auto j, auto k) { return (i * i + j * j + k * k) / 50; });
+}
+
+} // namespace
+
+TEST(MessageMemory, AnIndexThatGrowsInTheBackgroundFailsOnAllRanks)
+{
+  const CommonFolder folder;
+  const std::string source = folder.GetPath("source.raw");
+  OnFirstRank(
+    [&]
+    {
+      const SampleVolume<std::uint8_t> volume = MakeMessageVolume({ 60, 50, 70 });
+      std::ofstream(source, std::ios::binary)
+        .write(reinterpret_cast<const char*>(volume.Samples.data()),
+          static_cast<std::streamsize>(volume.Samples.size()));
+    });
+  const SourceIndex index = { source + ":60x50x70,uint8", "", folder.GetPath("source.bvol") };
+  FileSystem& files = GetLocalFileSystem();
+  // Ranks that share a core wait long for each other.
+  ForEachBuffer(index.Path, LongTests ? 1 : 4,
+    [&](Communicator& ranks)
+    {
+      GrowingIndex growing(ranks, files, index, {}, std::uint64_t{ 64 } << 20);
+      return growing.Finish(ranks, {});
+    });
+  OnFirstRank(
+    [&]
+    {
+      const auto found = Require(VerifyBlockedVolume(index.Path, files, 1, {}, OpenForeignVolume));
+      EXPECT_TRUE(found.Faults.empty());
+    });
+}
+
+TEST(MessageMemory, TheRoundsOfAnEdgeIndexFileFailOnAllRanks)
+{
+  const CommonFolder folder;
+  const std::string path = folder.GetPath("surface.eix");
+  const SampleVolume<std::uint8_t> volume = MakeMessageVolume({ 90, 80, 70 });
+  FileSystem& files = GetLocalFileSystem();
+  ForEachBuffer(path, 1,
+    [&](Communicator& ranks)
+    {
+      TestBlockSource<std::uint8_t> source(volume, 16);
+      std::vector<std::int64_t> numbers;
+      for (const std::int64_t block : std::exchange(source.Blocks, {}))
+      {
+        if (block % ranks.GetSize() == ranks.GetRank())
+        {
+          source.Blocks.push_back(block);
+          numbers.push_back(block);
+        }
+      }
+      EdgeIndexHeader header;
+      header.Geometry = volume.Geometry;
+      header.Type = ValueType::UInt8;
+      header.Isovalues = { 20, 40, 60, 80, 100, 120, 140, 160, 180, 200 };
+      return EdgeIndexWriteJob(
+        ranks, files, path, header, source, numbers, { 1, std::uint64_t{ 1 } << 20 })
+        .Run()
+        .GetStatus();
+    });
+}
