@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "OcclusionCulling.h"
 
+#include "DrawingBudget.h"
 #include "OpenGLFunctions.h"
 
 #include "vtkActor.h"
@@ -15,9 +16,12 @@
 #include "vtkRenderer.h"
 #include "vtkShaderProperty.h"
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 namespace isosurface
 {
@@ -48,6 +52,18 @@ void ReadImage(const std::array<int, 4>& viewport, GLenum format, GLenum type, v
   glReadPixels(viewport[0], viewport[1], viewport[2], viewport[3], format, type, pixels);
   glReadBuffer(bufferBefore);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, before);
+}
+
+void ReadDepths(const std::array<int, 4>& viewport, std::vector<float>& depths)
+{
+  depths.resize(CountPixels(viewport));
+  ReadImage(viewport, GL_DEPTH_COMPONENT, GL_FLOAT, depths.data());
+}
+
+void ReadColors(const std::array<int, 4>& viewport, std::vector<std::uint32_t>& colors)
+{
+  colors.resize(CountPixels(viewport));
+  ReadImage(viewport, GL_RGBA, GL_UNSIGNED_BYTE, colors.data());
 }
 
 /// What the shaders do to a point of the surface.
@@ -102,49 +118,166 @@ bool OcclusionCulling::IsPossible(vtkRenderer* renderer, vtkActor* actor)
     GetInteger(GL_DRAW_BUFFER1) == GL_NONE && glIsEnabled(GL_SCISSOR_TEST) == GL_TRUE;
 }
 
+bool OcclusionCulling::Conditions::operator==(const Conditions& other) const
+{
+  return this->ModelToClip == other.ModelToClip && this->Viewport == other.Viewport &&
+    this->Changed == other.Changed && this->ColorsBefore == other.ColorsBefore &&
+    this->DepthsBefore == other.DepthsBefore;
+}
+
+OcclusionCulling::Conditions OcclusionCulling::FindConditions(
+  vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed)
+{
+  Conditions found;
+  found.ModelToClip = FindModelToClip(renderer, actor);
+  glGetIntegerv(GL_VIEWPORT, found.Viewport.data());
+  found.Changed = changed;
+  ReadColors(found.Viewport, found.ColorsBefore);
+  ReadDepths(found.Viewport, found.DepthsBefore);
+  return found;
+}
+
 void OcclusionCulling::Take(const TriangleMeasure& measure)
 {
   this->Runs.Take(measure);
+  this->Image.Clear();
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     this->Centre[axis] = (measure.PointBounds[2 * axis] + measure.PointBounds[2 * axis + 1]) / 2;
   }
 }
 
-void OcclusionCulling::Draw(
-  vtkRenderer* renderer, vtkActor* actor, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
+void OcclusionCulling::Draw(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed,
+  vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
 {
-  vtkOpenGLState* state =
-    static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow())->GetState();
+  DrawingBudget* budget = SavedImage::IsPossible() ? DrawingBudget::GetCurrent() : nullptr;
+  if (budget && !budget->IsFinished())
+  {
+    return; // the image before this surface is not that of the next time
+  }
+  this->State = static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow())->GetState();
+  const bool mayGoOn = !this->Image.IsEmpty();
+  Conditions conditions;
+  if (budget || mayGoOn)
+  {
+    conditions = FindConditions(renderer, actor, changed);
+  }
+  if (mayGoOn && conditions == this->Known)
+  {
+    this->Image.Restore();
+  }
+  else
+  {
+    this->Known = std::move(conditions);
+    this->Begin(FindModelToClip(renderer, actor));
+  }
+
+  for (bool hasDrawn = false; this->Now != Stage::End; hasDrawn = true)
+  {
+    const double seconds = budget ? budget->GetSecondsLeft() : 0;
+    if (budget && seconds <= 0 && hasDrawn) // each image brings it forward
+    {
+      budget->SetUnfinished();
+      break;
+    }
+    if (this->Waiting.empty())
+    {
+      this->FindNext(all, draw);
+    }
+    else if (budget)
+    {
+      this->DrawFor(seconds, all, draw);
+    }
+    else
+    {
+      this->DrawPortion(all, std::exchange(this->Waiting, {}), draw);
+    }
+  }
+  this->Image.Clear();
+  if (budget)
+  {
+    this->Image.Save(this->Viewport);
+  }
+  this->Drawn = this->Runs.CountDrawn();
+}
+
+void OcclusionCulling::Begin(const std::array<double, 16>& modelToClip)
+{
   glGetIntegerv(GL_VIEWPORT, this->Viewport.data());
   this->Ties.clear();
-  this->Runs.Begin(BoxProjection(
-    FindModelToClip(renderer, actor), this->Viewport[2], this->Viewport[3], this->Centre));
-  Ranges ranges = this->Runs.FindFirst(this->Pyramid);
-  if (!ranges.empty())
+  this->Runs.Begin(BoxProjection(modelToClip, this->Viewport[2], this->Viewport[3], this->Centre));
+  this->Waiting = this->Runs.FindFirst(this->Pyramid);
+  this->Now = Stage::First;
+}
+
+void OcclusionCulling::FindNext(vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
+{
+  constexpr std::size_t few = 32;
+  if (this->Now == Stage::Again)
   {
-    draw(this->CopyIndices(all, ranges));
+    this->Now = Stage::End;
+    return;
   }
-  this->ReadDepths();
-  for (ranges = this->Runs.FindNext(this->Pyramid); !ranges.empty();
-       ranges = this->Runs.FindNext(this->Pyramid))
+  ReadDepths(this->Viewport, this->Depths);
+  this->Pyramid.Build(this->Depths, this->Viewport[2], this->Viewport[3]);
+  this->Waiting = this->Runs.FindNext(this->Pyramid);
+  this->Now = this->Runs.HasBegunAnew() ? Stage::First : Stage::Further;
+  if (this->Waiting.empty() && this->Ties.size() > few)
   {
-    vtkOpenGLIndexBufferObject* indices = this->CopyIndices(all, ranges);
-    if (!this->Runs.HasBegunAnew())
-    {
-      this->FindTies(state, indices, draw);
-    }
-    draw(indices);
-    this->ReadDepths();
+    this->Waiting = this->Runs.FindDrawn();
+    this->Now = Stage::Again;
   }
-  this->DrawTies(state, all, draw);
-  this->Drawn = this->Runs.CountDrawn();
+  else if (this->Waiting.empty())
+  {
+    this->DrawTies(all, draw);
+    this->Now = Stage::End;
+  }
+}
+
+void OcclusionCulling::DrawFor(
+  double seconds, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
+{
+  constexpr double fewest = 50000;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto most = static_cast<std::size_t>(std::max(fewest, seconds * this->Rate));
+  Ranges some;
+  std::size_t count = 0;
+  auto next = this->Waiting.begin();
+  while (next != this->Waiting.end() && count < most)
+  {
+    const std::size_t last = std::min(next->Last, next->First + (most - count));
+    some.push_back({ next->First, last });
+    count += last - next->First;
+    next->First = last;
+    next += next->First == next->Last ? 1 : 0;
+  }
+  this->Waiting.erase(this->Waiting.begin(), next);
+  this->DrawPortion(all, some, draw);
+  glFinish();
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  this->Rate = static_cast<double>(count) / std::max(taken.count(), 1e-3);
+}
+
+void OcclusionCulling::DrawPortion(
+  vtkOpenGLIndexBufferObject* all, const Ranges& triangles, const DrawIndices& draw)
+{
+  if (triangles.empty())
+  {
+    return;
+  }
+  vtkOpenGLIndexBufferObject* indices = this->CopyIndices(all, triangles);
+  if (this->Now == Stage::Further)
+  {
+    this->FindTies(indices, draw);
+  }
+  draw(indices);
 }
 
 void OcclusionCulling::ReleaseGraphicsResources()
 {
   this->Some->ReleaseGraphicsResources();
   this->Room = 0;
+  this->Image.Clear();
 }
 
 vtkOpenGLIndexBufferObject* OcclusionCulling::CopyIndices(
@@ -184,31 +317,17 @@ vtkOpenGLIndexBufferObject* OcclusionCulling::CopyIndices(
   return this->Some;
 }
 
-void OcclusionCulling::ReadDepths()
+void OcclusionCulling::FindTies(vtkOpenGLIndexBufferObject* indices, const DrawIndices& draw)
 {
-  this->Depths.resize(CountPixels(this->Viewport));
-  ReadImage(this->Viewport, GL_DEPTH_COMPONENT, GL_FLOAT, this->Depths.data());
-  this->Pyramid.Build(this->Depths, this->Viewport[2], this->Viewport[3]);
-}
-
-void OcclusionCulling::ReadColors(Colors& colors) const
-{
-  colors.resize(CountPixels(this->Viewport));
-  ReadImage(this->Viewport, GL_RGBA, GL_UNSIGNED_BYTE, colors.data());
-}
-
-void OcclusionCulling::FindTies(
-  vtkOpenGLState* state, vtkOpenGLIndexBufferObject* indices, const DrawIndices& draw)
-{
-  this->ReadColors(this->Before);
+  ReadColors(this->Viewport, this->Before);
   {
-    const vtkOpenGLState::ScopedglDepthFunc savedOrder(state);
-    const vtkOpenGLState::ScopedglDepthMask savedMask(state);
-    state->vtkglDepthFunc(GL_EQUAL);
-    state->vtkglDepthMask(GL_FALSE);
+    const vtkOpenGLState::ScopedglDepthFunc savedOrder(this->State);
+    const vtkOpenGLState::ScopedglDepthMask savedMask(this->State);
+    this->State->vtkglDepthFunc(GL_EQUAL);
+    this->State->vtkglDepthMask(GL_FALSE);
     draw(indices);
   }
-  this->ReadColors(this->After);
+  ReadColors(this->Viewport, this->After);
   for (std::size_t pixel = 0; pixel < this->After.size(); ++pixel)
   {
     if (this->Before[pixel] != this->After[pixel])
@@ -218,22 +337,15 @@ void OcclusionCulling::FindTies(
   }
 }
 
-void OcclusionCulling::DrawTies(
-  vtkOpenGLState* state, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
+void OcclusionCulling::DrawTies(vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
 {
-  constexpr std::size_t few = 32;
-  if (this->Ties.size() > few)
-  {
-    draw(this->CopyIndices(all, this->Runs.FindDrawn()));
-    return;
-  }
-  const vtkOpenGLState::ScopedglScissor saved(state);
+  const vtkOpenGLState::ScopedglScissor saved(this->State);
   for (const std::size_t pixel : this->Ties)
   {
     const auto width = static_cast<std::size_t>(this->Viewport[2]);
     const int x = static_cast<int>(pixel % width);
     const int y = static_cast<int>(pixel / width);
-    state->vtkglScissor(this->Viewport[0] + x, this->Viewport[1] + y, 1, 1);
+    this->State->vtkglScissor(this->Viewport[0] + x, this->Viewport[1] + y, 1, 1);
     draw(this->CopyIndices(all, this->Runs.FindDrawnAt(x, y)));
   }
 }

@@ -2,8 +2,11 @@
 #ifndef isosurface_OcclusionCulling_h
 #define isosurface_OcclusionCulling_h
 
+#include "SavedImage.h"
+
 #include "vtkNew.h"
 #include "vtkOpenGLIndexBufferObject.h"
+#include "vtkType.h"
 
 #include "Surface/Drawing/DepthPyramid.h"
 #include "Surface/Drawing/VisibleRuns.h"
@@ -30,6 +33,9 @@ namespace isosurface
  * depth in a pixel, OpenGL shows the one that is drawn last. So before a later portion is drawn, it is
  * drawn where its depths are those of the image. The pixels that change then are drawn again at the
  * end, in the order of all triangles.
+ *
+ * Within a DrawingBudget it stops when the time is over, and goes on in the next image, where it was, if
+ * nothing has changed: the view, what was drawn before the surface, and how it looks.
  */
 class OcclusionCulling
 {
@@ -45,10 +51,10 @@ public:
   /// Takes another surface. Until its first image, that of the surface before tells what may be hidden.
   void Take(const TriangleMeasure& measure);
 
-  /// Draws the surface. `all` has the indices of all proper triangles; draw() is called for those of
-  /// each portion.
-  void Draw(vtkRenderer* renderer, vtkActor* actor, vtkOpenGLIndexBufferObject* all,
-    const DrawIndices& draw);
+  /// Draws the surface, which looks as it did at `changed`. `all` has the indices of all proper
+  /// triangles; draw() is called for those of each portion.
+  void Draw(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed,
+    vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
 
   /// How many triangles of the surface the last image needed.
   std::size_t GetDrawn() const { return this->Drawn; }
@@ -61,14 +67,41 @@ private:
   using Colors = std::vector<std::uint32_t>;
   using Ranges = std::vector<VisibleRuns::Range>;
 
+  /// Why triangles are drawn.
+  enum class Stage
+  {
+    First,   ///< they are the first ones of an image
+    Further, ///< they may be visible beside those before
+    Again,   ///< there are too many ties
+    End
+  };
+
+  /// What an image depends on. Two images that have the same are the same, as far as the surface goes.
+  struct Conditions
+  {
+    std::array<double, 16> ModelToClip{};
+    std::array<int, 4> Viewport{};
+    vtkMTimeType Changed = 0; ///< the surface, its look, or the light
+    Colors ColorsBefore;      ///< without the surface, as the next
+    std::vector<float> DepthsBefore;
+
+    bool operator==(const Conditions& other) const;
+  };
+
+  static Conditions FindConditions(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed);
+  void Begin(const std::array<double, 16>& modelToClip);
+  /// Finds what is drawn next, when nothing is waiting.
+  void FindNext(vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
+  /// Draws what takes about so long.
+  void DrawFor(double seconds, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
+  void DrawPortion(
+    vtkOpenGLIndexBufferObject* all, const Ranges& triangles, const DrawIndices& draw);
+
   /// The indices of some triangles.
   vtkOpenGLIndexBufferObject* CopyIndices(vtkOpenGLIndexBufferObject* all, const Ranges& triangles);
-  void ReadDepths();
-  void ReadColors(Colors& colors) const;
   /// Adds the pixels to Ties that change where triangles have the depths of the image.
-  void FindTies(
-    vtkOpenGLState* state, vtkOpenGLIndexBufferObject* indices, const DrawIndices& draw);
-  void DrawTies(vtkOpenGLState* state, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
+  void FindTies(vtkOpenGLIndexBufferObject* indices, const DrawIndices& draw);
+  void DrawTies(vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
 
   VisibleRuns Runs;
   std::array<double, 3> Centre{}; ///< of the surface, where drawn coordinates are 0
@@ -80,7 +113,14 @@ private:
   std::vector<float> Depths;
   Colors Before;
   Colors After;
-  std::vector<std::size_t> Ties; ///< places of pixels in the viewport
+  std::vector<std::size_t> Ties;   ///< places of pixels in the viewport
+  vtkOpenGLState* State = nullptr; ///< while it is drawn
+
+  Stage Now = Stage::End;
+  Ranges Waiting;
+  SavedImage Image; ///< so far, of Known; empty if the next one begins anew
+  Conditions Known;
+  double Rate = 5e6; ///< triangles a second, as measured
 };
 
 } // namespace isosurface

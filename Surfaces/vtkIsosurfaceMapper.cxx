@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkIsosurfaceMapper.h"
 
+#include "DrawingBudget.h"
 #include "MeasuredTriangles.h"
 #include "OcclusionCulling.h"
 #include "vtkIsosurfaceMapperHelper.h"
@@ -84,6 +85,21 @@ vtkCompositeMapperHelper2* vtkIsosurfaceMapper::CreateHelper()
 vtkIdType vtkIsosurfaceMapper::GetNumberOfDrawnTriangles()
 {
   return static_cast<vtkIdType>(this->Culling->GetDrawn());
+}
+
+//------------------------------------------------------------------------------
+void vtkIsosurfaceMapper::BeginBudget(double seconds)
+{
+  isosurface::DrawingBudget::SetCurrent(std::make_unique<isosurface::DrawingBudget>(seconds));
+}
+
+//------------------------------------------------------------------------------
+bool vtkIsosurfaceMapper::EndBudget()
+{
+  const isosurface::DrawingBudget* budget = isosurface::DrawingBudget::GetCurrent();
+  const bool finished = !budget || budget->IsFinished();
+  isosurface::DrawingBudget::SetCurrent(nullptr);
+  return finished;
 }
 
 //------------------------------------------------------------------------------

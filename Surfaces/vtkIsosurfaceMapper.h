@@ -61,6 +61,18 @@ public:
   /// How many triangles the last image needed: all, unless some were left out.
   vtkIdType GetNumberOfDrawnTriangles();
 
+  ///@{
+  /**
+   * Until EndBudget() large surfaces are drawn for about so many seconds an image, where hidden triangles
+   * can be left out; otherwise as a whole. EndBudget() returns whether all surfaces were whole. The next
+   * image goes on where the last one ended, if nothing has changed: so an image that nobody sees
+   * (vtkRenderWindow::SwapBuffersOff) can be drawn in portions, between which a program answers its user.
+   * The image after it, without a budget, is whole, and takes what is drawn already. For all mappers.
+   */
+  static void BeginBudget(double seconds);
+  static bool EndBudget();
+  ///@}
+
   /// What measures the surface. Others that need the measure use this, so that it is made once.
   const std::shared_ptr<isosurface::MeasuredTriangles>& GetTriangles() const
   {

@@ -11,6 +11,8 @@
 #include "vtkFloatArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkImageData.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -553,6 +555,21 @@ bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
 }
 
 //------------------------------------------------------------------------------
+vtkMTimeType vtkIsosurfaceMapperHelper::FindChange(vtkRenderer* renderer, vtkActor* actor)
+{
+  vtkMTimeType last = std::max({ this->Parent->GetMTime(), this->VBOBuildTime.GetMTime(),
+    actor->GetMTime(), renderer->GetMTime() });
+  vtkLightCollection* lights = renderer->GetLights();
+  vtkCollectionSimpleIterator place;
+  lights->InitTraversal(place);
+  while (vtkLight* light = lights->GetNextLight(place))
+  {
+    last = std::max(last, light->GetMTime());
+  }
+  return std::max(last, lights->GetMTime());
+}
+
+//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
   if (!this->CanCull(renderer, actor))
@@ -564,7 +581,7 @@ void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor*
   Block& block = *this->GetBlockAlone();
   vtkOpenGLIndexBufferObject*& indices = this->Primitives[PrimitiveTris].IBO;
   vtkOpenGLIndexBufferObject* all = indices;
-  this->Culling->Draw(renderer, actor, all,
+  this->Culling->Draw(renderer, actor, this->FindChange(renderer, actor), all,
     [&](vtkOpenGLIndexBufferObject* some)
     {
       indices = some;

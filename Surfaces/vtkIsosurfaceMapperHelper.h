@@ -86,6 +86,8 @@ private:
   void UploadIndices(vtkOpenGLIndexBufferObject* buffer);
   /// Whether hidden triangles may be left out.
   bool CanCull(vtkRenderer* renderer, vtkActor* actor);
+  /// When the surface, its look, or the light changed last.
+  vtkMTimeType FindChange(vtkRenderer* renderer, vtkActor* actor);
 
   std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
   /// The array that colors the surface by a texture, if texture coordinates are written here; used

@@ -78,6 +78,23 @@ class Window:
         actor.GetProperty().SetOpacity(opacity)
         self.renderer.AddActor(actor)
 
+    def draw_portion(self, seconds=0.001):
+        """Draws a part of an image that is not shown; whether it is whole."""
+        self.renderer.ResetCameraClippingRange()
+        self.window.SwapBuffersOff()
+        vtkIsosurfaceMapper.BeginBudget(seconds)
+        self.window.Render()
+        self.window.SwapBuffersOn()
+        return vtkIsosurfaceMapper.EndBudget()
+
+    def draw_in_portions(self):
+        """How many it took."""
+        count = 1
+        while not self.draw_portion():
+            count += 1
+            assert count < 1000, "it begins again and again"
+        return count
+
     def show(self):
         self.renderer.ResetCameraClippingRange()
         self.window.Render()
@@ -213,6 +230,75 @@ class Drawing(unittest.TestCase):
         self.assertGreater(len(found[0]), 1000)
         self.assertTrue(numpy.array_equal(*found))
         self.check(0.8)
+
+    def test_an_image_in_portions_is_that_of_one(self):
+        self.check(1)
+        for _ in range(3):
+            self.change(self.turn)
+            self.assertGreater(self.some.draw_in_portions(), 4)
+            self.check(1)
+            self.assertGreater(self.some.draw_in_portions(), 4)
+            self.check(0.8)
+
+    def test_what_is_not_whole_is_not_shown(self):
+        before = self.some.show()
+        self.turn(self.some)
+        self.assertFalse(self.some.draw_portion())
+        width, height = self.some.window.GetSize()
+        pixels = vtkUnsignedCharArray()
+        self.some.window.GetPixelData(0, 0, width - 1, height - 1, 1, pixels, 0)
+        self.assertTrue(numpy.array_equal(vtk_to_numpy(pixels), before))
+
+    def test_an_image_amid_portions_is_whole(self):
+        self.check(1)
+        self.change(self.turn)
+        self.assertFalse(self.some.draw_portion())
+        self.assertFalse(self.some.draw_portion())
+        self.check(1)
+
+    def test_a_change_amid_portions_is_seen(self):
+        self.check(1)
+
+        def dim(window):
+            window.renderer.GetLights().GetItemAsObject(0).SetIntensity(0.4)
+        changes = [
+            self.turn,
+            lambda window: window.actor.GetProperty().SetColor(0.2, 0.9, 0.4),
+            lambda window: window.actor.RotateX(40),
+            lambda window: window.renderer.SetBackground(0.3, 0.1, 0.5),
+            lambda window: window.add_sphere(SIDE / 4, 1, (SIDE / 3, 0, SIDE / 3)),
+            lambda window: window.mapper.SetInputDataObject(make_surface(0.15)),
+            lambda window: window.window.SetSize(310, 290),
+            dim,
+        ]
+        for change in changes:
+            self.assertFalse(self.some.draw_portion())
+            self.change(change)
+            self.some.draw_in_portions()
+            self.check(1)
+            self.some.draw_in_portions()
+            self.change(change)
+            self.check(1)
+
+    def test_two_surfaces_in_portions(self):
+        other = make_surface(-0.3)
+
+        def add(window):
+            mapper = vtkIsosurfaceMapper()
+            mapper.SetOcclusionCulling(window.mapper.GetOcclusionCulling())
+            mapper.SetInputDataObject(other)
+            mapper.ScalarVisibilityOff()
+            actor = vtkActor()
+            actor.SetMapper(mapper)
+            actor.SetPosition(SIDE / 3, 0, 0)
+            actor.GetProperty().SetColor(1, 0.5, 0)
+            window.renderer.AddActor(actor)
+        self.change(add)
+        self.check(1)
+        for _ in range(3):
+            self.change(self.turn)
+            self.assertGreater(self.some.draw_in_portions(), 8)
+            self.check(1)
 
 
 if __name__ == "__main__":
