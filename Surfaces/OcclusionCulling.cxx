@@ -120,9 +120,9 @@ bool OcclusionCulling::IsPossible(vtkRenderer* renderer, vtkActor* actor)
 
 bool OcclusionCulling::Conditions::operator==(const Conditions& other) const
 {
-  return this->ModelToClip == other.ModelToClip && this->Viewport == other.Viewport &&
-    this->Changed == other.Changed && this->ColorsBefore == other.ColorsBefore &&
-    this->DepthsBefore == other.DepthsBefore;
+  return this->ModelToClip == other.ModelToClip && this->ModelToWorld == other.ModelToWorld &&
+    this->Viewport == other.Viewport && this->Changed == other.Changed &&
+    this->ColorsBefore == other.ColorsBefore && this->DepthsBefore == other.DepthsBefore;
 }
 
 OcclusionCulling::Conditions OcclusionCulling::FindConditions(
@@ -130,6 +130,7 @@ OcclusionCulling::Conditions OcclusionCulling::FindConditions(
 {
   Conditions found;
   found.ModelToClip = FindModelToClip(renderer, actor);
+  std::memcpy(found.ModelToWorld.data(), actor->GetMatrix()->GetData(), sizeof(found.ModelToWorld));
   glGetIntegerv(GL_VIEWPORT, found.Viewport.data());
   found.Changed = changed;
   ReadColors(found.Viewport, found.ColorsBefore);

@@ -80,6 +80,7 @@ private:
   struct Conditions
   {
     std::array<double, 16> ModelToClip{};
+    std::array<double, 16> ModelToWorld{};
     std::array<int, 4> Viewport{};
     vtkMTimeType Changed = 0; ///< the surface, its look, or the light
     Colors ColorsBefore;      ///< without the surface, as the next

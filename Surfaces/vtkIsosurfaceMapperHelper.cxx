@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkIsosurfaceMapperHelper.h"
 
+#include "DrawingBudget.h"
 #include "OcclusionCulling.h"
 #include "OpenGLFunctions.h"
 #include "vtkIsosurfaceMapper.h"
@@ -42,10 +43,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkIsosurfaceMapperHelper);
 
+using isosurface::DrawingBudget;
 using isosurface::TriangleSurface;
 
 namespace
@@ -285,7 +288,6 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   {
     primitive.IBO->IndexCount = 0;
   }
-  this->UploadIndices(this->Primitives[PrimitiveTris].IBO);
   this->HasOwnBuffers = true;
   this->Culling->Take(this->Triangles->GetMeasure());
 
@@ -293,8 +295,8 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   block.NextVertex = static_cast<unsigned int>(this->Triangles->GetSurface().NumberOfPoints);
   std::fill(block.StartIndex, block.StartIndex + PrimitiveEnd, 0U);
   std::fill(block.NextIndex, block.NextIndex + PrimitiveEnd, 0U);
-  block.NextIndex[PrimitiveTris] =
-    static_cast<unsigned int>(this->Primitives[PrimitiveTris].IBO->IndexCount);
+  this->HasNewVertices = true;
+  this->HasIndices = false;
   this->VBOBuildTime.Modified();
 }
 
@@ -530,6 +532,27 @@ void vtkIsosurfaceMapperHelper::UploadIndices(vtkOpenGLIndexBufferObject* buffer
 }
 
 //------------------------------------------------------------------------------
+bool vtkIsosurfaceMapperHelper::MakesBuffers()
+{
+  DrawingBudget* budget = DrawingBudget::GetCurrent();
+  bool takesTime = std::exchange(this->HasNewVertices, false);
+  if (!this->HasIndices && !(budget && takesTime))
+  {
+    vtkOpenGLIndexBufferObject* indices = this->Primitives[PrimitiveTris].IBO;
+    this->UploadIndices(indices);
+    this->GetBlockAlone()->NextIndex[PrimitiveTris] =
+      static_cast<unsigned int>(indices->IndexCount);
+    this->HasIndices = true;
+    takesTime = true;
+  }
+  if (budget && takesTime)
+  {
+    budget->SetUnfinished();
+  }
+  return budget && takesTime;
+}
+
+//------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
 {
   // Fewer triangles are drawn before the depths are read.
@@ -557,8 +580,13 @@ bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
 //------------------------------------------------------------------------------
 vtkMTimeType vtkIsosurfaceMapperHelper::FindChange(vtkRenderer* renderer, vtkActor* actor)
 {
+  // ParaView modifies the actor before each image; where it is, the matrices tell.
   vtkMTimeType last = std::max({ this->Parent->GetMTime(), this->VBOBuildTime.GetMTime(),
-    actor->GetMTime(), renderer->GetMTime() });
+    actor->GetProperty()->GetMTime(), renderer->GetMTime() });
+  if (vtkProperty* backface = actor->GetBackfaceProperty())
+  {
+    last = std::max(last, backface->GetMTime());
+  }
   vtkLightCollection* lights = renderer->GetLights();
   vtkCollectionSimpleIterator place;
   lights->InitTraversal(place);
@@ -572,6 +600,10 @@ vtkMTimeType vtkIsosurfaceMapperHelper::FindChange(vtkRenderer* renderer, vtkAct
 //------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
+  if (this->HasOwnBuffers && this->MakesBuffers())
+  {
+    return;
+  }
   if (!this->CanCull(renderer, actor))
   {
     this->Culling->SetDrawn(this->Primitives[PrimitiveTris].IBO->IndexCount / 3);

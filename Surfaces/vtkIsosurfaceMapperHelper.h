@@ -84,6 +84,9 @@ private:
   void FillVertices(const char* attribute, int components, std::size_t tuples, WriteT&& write);
   void UploadVertices(vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface);
   void UploadIndices(vtkOpenGLIndexBufferObject* buffer);
+  /// Makes indices that are missing. Within a budget vertices take the time of one image, and indices that
+  /// of the next: whether this is one of them, so that nothing else is drawn.
+  bool MakesBuffers();
   /// Whether hidden triangles may be left out.
   bool CanCull(vtkRenderer* renderer, vtkActor* actor);
   /// When the surface, its look, or the light changed last.
@@ -94,7 +97,9 @@ private:
   /// only while buffers are made.
   vtkDataArray* ColorValues = nullptr;
   std::shared_ptr<isosurface::OcclusionCulling> Culling;
-  bool HasOwnBuffers = false; ///< whether the buffers are not those of the superclass
+  bool HasOwnBuffers = false;  ///< whether the buffers are not those of the superclass
+  bool HasNewVertices = false; ///< of this image
+  bool HasIndices = false;
   int Threads = 1;
 };
 

@@ -5,6 +5,7 @@
 #include "WindowCall.h"
 #include "pqIndexStatus.h"
 #include "pqRefinementStatus.h"
+#include "pqSurfaceDrawing.h"
 
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
@@ -144,6 +145,7 @@ bool IsServerAlive(vtkSMProxy* contour)
 pqProgressiveContourBehavior::pqProgressiveContourBehavior(QObject* parent)
   : QObject(parent)
   , Timer(new pqTimer(this))
+  , Drawing(new pqSurfaceDrawing(this))
 {
   this->Timer->setSingleShot(true);
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqProgressiveContourBehavior::Advance);
@@ -182,6 +184,7 @@ void pqProgressiveContourBehavior::OnStartup()
 void pqProgressiveContourBehavior::OnShutdown()
 {
   this->Timer->stop();
+  this->Drawing->Stop();
   this->All.clear();
   QCoreApplication::instance()->removeEventFilter(this);
 }
@@ -363,7 +366,7 @@ void pqProgressiveContourBehavior::Advance()
     this->All.clear(); // the window is closed
     return;
   }
-  if (IsAnyServerWorking() || this->Finishing || this->ChangingTime)
+  if (IsAnyServerWorking() || this->Finishing || this->ChangingTime || this->Drawing->IsDrawing())
   {
     this->Timer->start(PollMilliseconds);
     return;
@@ -382,7 +385,7 @@ void pqProgressiveContourBehavior::Advance()
   }
   if (refined)
   {
-    pqApplicationCore::instance()->render();
+    this->Drawing->Begin();
   }
   if (!this->All.empty())
   {

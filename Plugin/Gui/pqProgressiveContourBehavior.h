@@ -33,6 +33,7 @@ class QMainWindow;
 class pqIndexStatus;
 class pqPipelineSource;
 class pqRefinementStatus;
+class pqSurfaceDrawing;
 class pqTimer;
 
 class pqProgressiveContourBehavior : public QObject
@@ -104,7 +105,8 @@ private:
   void AskAboutSize(pqPipelineSource* source, const isosurface::RefinementReport& report);
   void UseLevel(pqPipelineSource* source, int level);
 
-  pqTimer* Timer; ///< owned by this object; ParaView's test player waits for such timers
+  pqTimer* Timer;            ///< owned by this object; ParaView's test player waits for such timers
+  pqSurfaceDrawing* Drawing; ///< owned by this object
   QPointer<pqRefinementStatus> Status; ///< belongs to the window; null without one
   QPointer<pqIndexStatus> Indices;     ///< the same
   QPointer<QDialog> Question;          ///< about a surface that is too large
