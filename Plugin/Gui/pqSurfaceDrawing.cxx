@@ -6,21 +6,37 @@
 #include "pqServerManagerModel.h"
 #include "pqTimer.h"
 #include "pqView.h"
+#include "vtkCommand.h"
+#include "vtkEventQtSlotConnect.h"
 #include "vtkIsosurfaceMapper.h"
 #include "vtkLogger.h"
 #include "vtkPVRenderView.h"
 #include "vtkRenderWindow.h"
+#include "vtkRenderWindowInteractor.h"
 #include "vtkSMRenderViewProxy.h"
 
 #include <QGuiApplication>
 #include <QWidget>
 
+#include <utility>
+
 namespace
 {
+
+const pqServerManagerModel* GetModel()
+{
+  return pqApplicationCore::instance()->getServerManagerModel();
+}
 
 vtkPVRenderView* FindView(pqView* view)
 {
   return vtkPVRenderView::SafeDownCast(view->getProxy()->GetClientSideObject());
+}
+
+vtkRenderWindowInteractor* GetInteractor(pqView* view)
+{
+  auto* proxy = vtkSMRenderViewProxy::SafeDownCast(view->getProxy());
+  return proxy ? proxy->GetInteractor() : nullptr;
 }
 
 bool IsDrawnHere(pqView* view)
@@ -38,30 +54,113 @@ pqSurfaceDrawing::pqSurfaceDrawing(QObject* parent)
 {
   this->Timer->setSingleShot(true);
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqSurfaceDrawing::Advance);
+  QObject::connect(GetModel(), &pqServerManagerModel::viewAdded, this, &pqSurfaceDrawing::Observe);
+  for (pqView* view : GetModel()->findItems<pqView*>())
+  {
+    this->Observe(view);
+  }
 }
 
 //------------------------------------------------------------------------------
 pqSurfaceDrawing::~pqSurfaceDrawing() = default;
 
 //------------------------------------------------------------------------------
+void pqSurfaceDrawing::Observe(pqView* view)
+{
+  if (FindView(view))
+  {
+    QObject::connect(view, &pqView::representationAdded, this, &pqSurfaceDrawing::ObserveCamera);
+    QObject::connect(view, &pqView::endRender, this, &pqSurfaceDrawing::Forget);
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqSurfaceDrawing::ObserveCamera()
+{
+  vtkRenderWindowInteractor* interactor = GetInteractor(qobject_cast<pqView*>(this->sender()));
+  if (interactor)
+  {
+    this->Connections->Disconnect(interactor);
+    for (const unsigned long event : { vtkCommand::StartInteractionEvent,
+           vtkCommand::EndInteractionEvent, vtkCommand::RenderEvent })
+    {
+      this->Connections->Connect(
+        interactor, event, this, SLOT(HoldImage(vtkObject*, unsigned long)), nullptr, 1.0F);
+      this->Connections->Connect(
+        interactor, event, this, SLOT(DrawHeldImage(vtkObject*, unsigned long)), nullptr, -1.0F);
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqSurfaceDrawing::HoldImage(vtkObject* interactor, unsigned long event)
+{
+  if (event != vtkCommand::RenderEvent)
+  {
+    this->IsTurning = event == vtkCommand::StartInteractionEvent;
+  }
+  if (this->IsTurning)
+  {
+    return; // its images are of thinned surfaces
+  }
+  for (pqView* view : GetModel()->findItems<pqView*>())
+  {
+    if (IsDrawnHere(view) && GetInteractor(view) == interactor &&
+      FindView(view)->GetUseLODForInteractiveRender())
+    {
+      FindView(view)->SuppressRenderingOn();
+      this->Held = view;
+      this->IsImageHeld = false;
+      // Whatever another observer does, the view draws again.
+      QTimer::singleShot(0, this, [this, event] { this->DrawHeldImage(nullptr, event); });
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqSurfaceDrawing::DrawHeldImage(vtkObject*, unsigned long event)
+{
+  const QPointer<pqView> view = std::exchange(this->Held, nullptr);
+  if (!view)
+  {
+    return;
+  }
+  FindView(view)->SuppressRenderingOff();
+  if (this->IsImageHeld)
+  {
+    // A hand that has dragged the camera sees where it is; one at the wheel does not.
+    if (event == vtkCommand::RenderEvent)
+    {
+      view->getViewProxy()->InteractiveRender();
+    }
+    this->Add(view, RestMilliseconds);
+  }
+}
+
+//------------------------------------------------------------------------------
 void pqSurfaceDrawing::Begin()
 {
-  this->Stop();
-  const auto* model = pqApplicationCore::instance()->getServerManagerModel();
-  for (pqView* view : model->findItems<pqView*>())
+  for (pqView* view : GetModel()->findItems<pqView*>())
   {
-    if (IsDrawnHere(view))
-    {
-      this->Views.push_back(view);
-      QObject::connect(
-        view, &pqView::endRender, this, &pqSurfaceDrawing::Forget, Qt::UniqueConnection);
-    }
-    else
+    if (!this->Add(view))
     {
       view->render();
     }
   }
-  this->Timer->start(0);
+}
+
+//------------------------------------------------------------------------------
+bool pqSurfaceDrawing::Add(pqView* view, int milliseconds)
+{
+  if (!IsDrawnHere(view))
+  {
+    return false;
+  }
+  this->Views.removeAll(view);
+  this->Views.push_back(view);
+  this->Portions = 0;
+  this->Timer->start(milliseconds);
+  return true;
 }
 
 //------------------------------------------------------------------------------
@@ -134,9 +233,15 @@ bool pqSurfaceDrawing::DrawPortion(pqView* view)
 void pqSurfaceDrawing::Forget()
 {
   auto* view = qobject_cast<pqView*>(this->sender());
-  if (!this->IsInPortion && view && !FindView(view)->GetUsedLODForLastRender())
+  if (this->IsInPortion || !view || FindView(view)->GetUsedLODForLastRender())
   {
-    this->Views.removeAll(view);
-    this->Portions = 0;
+    return;
   }
+  if (view == this->Held)
+  {
+    this->IsImageHeld = true;
+    return;
+  }
+  this->Views.removeAll(view);
+  this->Portions = 0;
 }

@@ -4,13 +4,15 @@
  * @brief   draws views with large surfaces in portions, between which the window answers
  *
  * By software, millions of triangles take seconds to draw. Where this process draws, a view keeps its
- * image meanwhile: portions of the next one are drawn beside it (vtkIsosurfaceMapper::BeginBudget), a
- * timer between them, and it is shown when it is whole. A hand that turns the camera sees each of its
- * images at once; the portions begin anew when the button is released.
+ * image meanwhile: portions of the next one are drawn beside it (vtkIsosurfaceMapper::BeginBudget), and
+ * it is shown when it is whole. So it is with a surface that was refined, and with the image after the
+ * camera was turned by hand, which sees thinned surfaces until then.
  */
 
 #ifndef pqSurfaceDrawing_h
 #define pqSurfaceDrawing_h
+
+#include "vtkNew.h"
 
 #include <QList>
 #include <QObject>
@@ -18,6 +20,8 @@
 
 class pqTimer;
 class pqView;
+class vtkEventQtSlotConnect;
+class vtkObject;
 
 class pqSurfaceDrawing : public QObject
 {
@@ -30,6 +34,8 @@ public:
 
   /// What the window is held for. Each portion costs some 0.03 s beside it.
   static constexpr double PortionSeconds = 0.18;
+  /// A hand at the wheel turns it again within this time.
+  static constexpr int RestMilliseconds = 150;
   /// While a mouse button is down.
   static constexpr int PollMilliseconds = 10;
   /// A view that changes in each portion is drawn at once after so many.
@@ -42,6 +48,12 @@ public:
   void Stop();
 
 private Q_SLOTS:
+  void Observe(pqView* view);
+  /// A view has what turns its camera once it shows something.
+  void ObserveCamera();
+  /// The hand lets go of the camera, or turns the wheel: ParaView would draw the image between these.
+  void HoldImage(vtkObject* interactor, unsigned long event);
+  void DrawHeldImage(vtkObject* interactor, unsigned long event);
   void Advance();
   /// A view that was drawn as a whole by somebody else is done.
   void Forget();
@@ -49,10 +61,16 @@ private Q_SLOTS:
 private:
   Q_DISABLE_COPY(pqSurfaceDrawing)
 
+  /// Draws a view in portions, after so long, if this process draws it; false otherwise.
+  bool Add(pqView* view, int milliseconds = 0);
   /// Draws a portion; whether the image is whole, and shown.
   bool DrawPortion(pqView* view);
 
   pqTimer* Timer; ///< owned by this object
+  vtkNew<vtkEventQtSlotConnect> Connections;
+  bool IsTurning = false;   ///< whether the hand holds a camera
+  QPointer<pqView> Held;    ///< is not drawn at once, if
+  bool IsImageHeld = false; ///< ParaView wanted to
   QList<QPointer<pqView>> Views;
   int Portions = 0; ///< of the first view
   bool IsInPortion = false;
