@@ -175,11 +175,18 @@ class Log:
             time.sleep(0.01)
 
     def wait_for_drawing(self, limit=60):
-        """The seconds of all still renderings, of one at least."""
+        """The seconds of an image, which may be drawn in portions."""
         deadline = time.monotonic() + limit
-        while not DRAWN.search(self.peek()[0]) and time.monotonic() < deadline:
+        while time.monotonic() < deadline:
+            text = self.peek()[0]
+            if DRAWN.search(text) and ("portions" in text or "portions" not in self.everything()):
+                break
             time.sleep(0.01)
-        return self.next()[1]
+        return sum(self.next()[1])
+
+    def everything(self):
+        with open(self.path, encoding="utf-8", errors="replace") as file:
+            return file.read()
 
     def next(self):
         text, self.read = self.peek()
@@ -313,8 +320,8 @@ def measure(hand, log, steps):
         pictures.append(picture)
         exacts.append(exact)
         if extracted and drawn:
-            rows.append((extracted, drawn[-1]))
-            ratios.append(exact / (extracted[-1][1] + drawn[-1]))
+            rows.append((extracted, drawn))
+            ratios.append(exact / (extracted[-1][1] + drawn))
     for _ in range(max(2, steps // 3)):
         log.next()
         hand.drag_once()
