@@ -372,20 +372,29 @@ void pqProgressiveContourBehavior::Advance()
     return;
   }
   bool refined = false;
+  bool isLarge = false;
   std::vector<Watched> all;
   std::swap(all, this->All);
   for (Watched& watched : all)
   {
     bool keep = false;
-    refined = (watched.Source && this->AdvanceOne(watched, keep)) || refined;
+    if (watched.Source && this->AdvanceOne(watched, keep))
+    {
+      refined = true;
+      isLarge = isLarge || watched.IsLarge;
+    }
     if (keep)
     {
       this->All.push_back(watched);
     }
   }
-  if (refined)
+  if (refined && isLarge)
   {
     this->Drawing->Begin();
+  }
+  else if (refined)
+  {
+    pqApplicationCore::instance()->render();
   }
   if (!this->All.empty())
   {
@@ -419,6 +428,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       keep = QGuiApplication::mouseButtons() != Qt::NoButton || this->IsHandMoving(watched, report);
       if (!keep)
       {
+        watched.IsLarge = report.Triangles > LargeSurface;
         contour->InvokeCommand("Refine");
       }
       return !keep;

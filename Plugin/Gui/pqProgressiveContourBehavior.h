@@ -87,6 +87,7 @@ private:
   {
     QPointer<pqPipelineSource> Source;
     bool Asked = false;       ///< whether the server has been told to prepare
+    bool IsLarge = false;     ///< whether the next surface takes long to draw
     QElapsedTimer Ready = {}; ///< since the next surface waits to be shown
   };
 

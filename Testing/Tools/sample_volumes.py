@@ -92,6 +92,8 @@ class SourceCase(VolumeCase):
         """The command fails with one line that has all words, and writes nothing."""
         code, out, err = self.run_tool(source, "e.bvol", *arguments, ranks=ranks)
         lines = [line for line in err.splitlines() if line.startswith("blockvolume:")]
+        # What a damaged file claims may not fit the disk of this machine.
+        lines = [line for line in lines if "its disk has room for" not in line]
         self.assertEqual((code, out, len(lines)), (1, "", 1), err)
         for word in words:
             self.assertIn(word, lines[0])
