@@ -33,7 +33,7 @@ MAY_INCLUDE = {
     "Rendering": CORE + ["Bridge"],
     "Surfaces": CORE + ["Bridge"],
     "Representation": CORE + ["Bridge", "Surfaces"],
-    "Plugin": CORE + ["Bridge", "Representation"],
+    "Plugin": CORE + ["Bridge", "Surfaces", "Representation"],
     "Tools": CORE + ["Formats", "Bridge", "Writers"],
     "Python": CORE + ["Formats"],
 }
