@@ -100,8 +100,9 @@ void TellGrid(const GridGeometry& grid, vtkInformation* outInfo)
   int extent[6];
   std::copy(grid.Extent.begin(), grid.Extent.end(), extent);
   outInfo->Set(Pipeline::WHOLE_EXTENT(), extent, 6);
-  // What was asked for of another image may be outside of this one, which VTK 9.6 refuses.
+  // What was asked for of another image may be outside of this one, which VTK refuses.
   outInfo->Set(Pipeline::UPDATE_EXTENT(), extent, 6);
+  outInfo->Remove(Pipeline::COMBINED_UPDATE_EXTENT());
   outInfo->Set(vtkDataObject::ORIGIN(), grid.Origin.data(), 3);
   outInfo->Set(vtkDataObject::SPACING(), grid.Spacing.data(), 3);
   outInfo->Set(vtkDataObject::DIRECTION(), grid.Direction.data(), 9);
@@ -241,6 +242,15 @@ SampledImage::SampledImage(vtkAlgorithm& filter)
 
 SampledImage::~SampledImage() = default;
 
+void SampledImage::AllowCoarse(bool isAllowed)
+{
+  if (this->IsOnlyTold && isAllowed != this->CoarseAllowed)
+  {
+    this->Filter.Modified();
+  }
+  this->CoarseAllowed = isAllowed;
+}
+
 void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan)
 {
@@ -256,9 +266,11 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   ImagePlan image;
   image.Grid.Extent = { 0, -1, 0, -1, 0, -1 };
   this->Text.clear();
+  this->IsOnlyTold = false;
   if (input && input.GetVolume())
   {
     const bool isNew = SumSource(input, properties) != this->Source;
+    this->IsOnlyTold = isNew;
     const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays(),
       isNew ? this->CoarseAllowed : this->IsCoarse);
     if (planned.IsOk()) // else RequestData tells why not
@@ -299,6 +311,7 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
     this->IsCoarse = decisive[1] == 0;
   }
   this->Source = source;
+  this->IsOnlyTold = false;
   const Status status = ReadVolume(this->Filter, ranks, input, properties,
     [&](int threads) -> Status
     {

@@ -84,7 +84,9 @@ public:
   /// What the image is, once the pipeline's information is up to date.
   const std::string& GetText() const { return this->Text; }
 
-  void AllowCoarse(bool isAllowed) { this->CoarseAllowed = isAllowed; }
+  /// Whether new images may be coarse. If the pipeline was told of one that is not made yet, it is told
+  /// again: what asks for the image knows its extent from there.
+  void AllowCoarse(bool isAllowed);
   /// Whether the last image was exact, or failed.
   bool IsFinal() const { return !this->Next; }
   /// Begins to make the exact image, or waits for it, but not longer than this. Collective.
@@ -111,6 +113,7 @@ private:
   std::map<int, std::shared_ptr<const LevelSamples>> Samples; ///< of one volume and time step
   std::string Text;
   bool CoarseAllowed = false;
+  bool IsOnlyTold = false;  ///< whether the pipeline was told of an image that is not made yet
   std::uint64_t Source = 0; ///< of the last image
   bool IsCoarse = false;    ///< whether images of this source may be
   int ShownLevel = 0;

@@ -6,6 +6,10 @@ import plugin_testing as testing
 
 
 class SavedSlice(testing.TestCase):
+    def test_nothing_was_wrong_when_coarse_slices_took_the_place_of_exact_ones(self):
+        errors = [line for line in testing.read_window_log().splitlines() if "ERR|" in line]
+        self.assertEqual(errors, [])
+
     def test_saved_slice_is_exact(self):
         saved = simple.XMLImageDataReader(FileName=[testing.state("saved.vti")])
         saved.UpdatePipeline()
