@@ -15,6 +15,7 @@
 #include "vtkRenderWindowInteractor.h"
 #include "vtkSMRenderViewProxy.h"
 
+#include <QEvent>
 #include <QGuiApplication>
 #include <QWidget>
 
@@ -59,10 +60,29 @@ pqSurfaceDrawing::pqSurfaceDrawing(QObject* parent)
   {
     this->Observe(view);
   }
+  QCoreApplication::instance()->installEventFilter(this);
 }
 
 //------------------------------------------------------------------------------
 pqSurfaceDrawing::~pqSurfaceDrawing() = default;
+
+//------------------------------------------------------------------------------
+bool pqSurfaceDrawing::eventFilter(QObject*, QEvent* event)
+{
+  const QEvent::Type type = event->type();
+  if (type == QEvent::MouseMove || type == QEvent::MouseButtonPress || type == QEvent::Wheel ||
+    type == QEvent::KeyPress)
+  {
+    this->SinceHand.start();
+  }
+  return false;
+}
+
+//------------------------------------------------------------------------------
+bool pqSurfaceDrawing::IsHandMoving() const
+{
+  return this->SinceHand.isValid() && !this->SinceHand.hasExpired(MovingMilliseconds);
+}
 
 //------------------------------------------------------------------------------
 void pqSurfaceDrawing::Observe(pqView* view)
@@ -200,7 +220,7 @@ void pqSurfaceDrawing::Advance()
     this->Views.removeAll(view);
     this->Portions = 0;
   }
-  this->Timer->start(0);
+  this->Timer->start(this->IsHandMoving() ? PauseMilliseconds : 0);
 }
 
 //------------------------------------------------------------------------------
@@ -211,7 +231,8 @@ bool pqSurfaceDrawing::DrawPortion(pqView* view)
   vtkRenderWindow* window = proxy->GetRenderWindow();
   this->IsInPortion = true;
   window->SwapBuffersOff();
-  vtkIsosurfaceMapper::BeginBudget(PortionSeconds);
+  vtkIsosurfaceMapper::BeginBudget(
+    this->IsHandMoving() ? MovingPortionSeconds : RestingPortionSeconds);
   proxy->StillRender();
   const bool isWhole = vtkIsosurfaceMapper::EndBudget();
   this->IsInPortion = false;

@@ -14,6 +14,7 @@
 
 #include "vtkNew.h"
 
+#include <QElapsedTimer>
 #include <QList>
 #include <QObject>
 #include <QPointer>
@@ -32,8 +33,14 @@ public:
   explicit pqSurfaceDrawing(QObject* parent = nullptr);
   ~pqSurfaceDrawing() override;
 
-  /// What the window is held for. Each portion costs some 0.03 s beside it.
-  static constexpr double PortionSeconds = 0.18;
+  /// What the window is held for while a hand moves and while it rests. Each portion costs some 0.03 s
+  /// beside it.
+  static constexpr double MovingPortionSeconds = 0.12;
+  static constexpr double RestingPortionSeconds = 0.3;
+  /// A hand moves for so long after its last event.
+  static constexpr int MovingMilliseconds = 300;
+  /// After a portion, for what a moving hand has asked.
+  static constexpr int PauseMilliseconds = 20;
   /// A hand at the wheel turns it again within this time.
   static constexpr int RestMilliseconds = 150;
   /// While a mouse button is down.
@@ -46,6 +53,9 @@ public:
   bool IsDrawing() const { return !this->Views.empty(); }
   /// Leaves the views as they are.
   void Stop();
+
+  /// Notices mouse, wheel and keys; hides nothing from anybody.
+  bool eventFilter(QObject* receiver, QEvent* event) override;
 
 private Q_SLOTS:
   void Observe(pqView* view);
@@ -61,6 +71,7 @@ private Q_SLOTS:
 private:
   Q_DISABLE_COPY(pqSurfaceDrawing)
 
+  bool IsHandMoving() const;
   /// Draws a view in portions, after so long, if this process draws it; false otherwise.
   bool Add(pqView* view, int milliseconds = 0);
   /// Draws a portion; whether the image is whole, and shown.
@@ -68,6 +79,7 @@ private:
 
   pqTimer* Timer; ///< owned by this object
   vtkNew<vtkEventQtSlotConnect> Connections;
+  QElapsedTimer SinceHand;  ///< since its last event
   bool IsTurning = false;   ///< whether the hand holds a camera
   QPointer<pqView> Held;    ///< is not drawn at once, if
   bool IsImageHeld = false; ///< ParaView wanted to
