@@ -54,11 +54,11 @@ void PrintPiece(const Run& run, int rank)
   const std::clock_t begin = std::clock();
   const VolumeQuery query = MeasurePiece(run.Path, run.Isovalue, rank, run.Ranks, 1);
   const double cpuSeconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  std::printf("%d,%s,%s,%u,%d,%d,%.17g,%llu,%llu,%zu,%.9f,%.6f\n", run.Turn,
+  std::printf("%d,%s,%s,%u,%d,%d,%.17g,%llu,%llu,%zu,%.9f,%.6f,%.6f\n", run.Turn,
     run.AreTogether ? "together" : "in turn", run.IsCold ? "cold" : "warm", run.Stores, run.Ranks,
     rank, run.Isovalue, static_cast<unsigned long long>(query.Statistics.ActiveBlocks),
     static_cast<unsigned long long>(query.Statistics.BytesRead), query.Triangles, query.Seconds,
-    cpuSeconds);
+    cpuSeconds, query.OpenSeconds);
   std::fflush(stdout);
 }
 
@@ -135,7 +135,7 @@ bool RunColdAndWarm(Run run)
 bool RunAll(const Options& options, const std::string& path, std::uint32_t stores)
 {
   std::printf("turn,mode,cache,stores,ranks,rank,isovalue,activeBlocks,bytes,triangles,seconds,"
-              "cpuSeconds\n");
+              "cpuSeconds,openSeconds\n");
   std::fflush(stdout); // otherwise children would print it again
   for (int turn = 0; turn < options.Repeats; ++turn)
   {

@@ -56,6 +56,7 @@ VolumeQuery MeasurePiece(const std::string& path, double isovalue, int rank, int
   auto opened = BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0));
   BlockedVolume& volume = *Demand(opened);
   VolumeQuery query;
+  query.OpenSeconds = GetSeconds() - start;
   auto plan = PlanQuery(volume, { { 0, 0, { isovalue } }, rank, ranks }, 0, query.Statistics);
   StoredBlockSource source(volume, 0, 0, 0, std::move(Demand(plan).Blocks));
   ContourRequest request;

@@ -17,6 +17,7 @@ double GetSeconds();
 struct VolumeQuery
 {
   double Seconds = 0;
+  double OpenSeconds = 0; ///< of them, to open the file
   QueryStatistics Statistics;
   std::size_t Triangles = 0;
 };

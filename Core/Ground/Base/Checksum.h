@@ -18,6 +18,9 @@ std::uint64_t ComputeChecksum(const void* bytes, std::size_t size, std::uint64_t
 /// A 64-bit checksum as 16 hexadecimal digits.
 std::string FormatChecksum(std::uint64_t checksum);
 
+/// Reads what FormatChecksum wrote, from 16 characters; false if one is no such digit.
+bool ParseChecksum(const char* digits, std::uint64_t& checksum);
+
 } // namespace isosurface
 
 #endif

@@ -45,12 +45,12 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& pa
   return RunWithinMemory(path, NoMemoryReason,
     [&]() -> Result<std::shared_ptr<BlockedVolume>>
     {
-      auto text = BlockedVolumeHeader::ReadText(fileSystem, path);
+      const auto text = BlockedVolumeHeader::ReadText(fileSystem, path);
       ISOSURFACE_RETURN_IF_ERROR(text.GetStatus());
-      const auto header = BlockedVolumeHeader::Parse(*text, path);
+      auto header = BlockedVolumeHeader::Parse(*text, path);
       ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
       return std::shared_ptr<BlockedVolume>(
-        new BlockedVolume({ path, std::move(*text), *header }, fileSystem, cache, opener));
+        new BlockedVolume({ path, *text, std::move(*header) }, fileSystem, cache, opener));
     });
 }
 

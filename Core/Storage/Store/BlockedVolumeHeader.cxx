@@ -318,21 +318,29 @@ BlockedVolumeHeader BlockedVolumeHeader::MakeOverview(std::size_t overview) cons
   {
     level += this->Overviews[finer].NumberOfLevels;
   }
-  BlockedVolumeHeader header = *this;
+  // A copy of all would have the descriptions of all stores for a while.
+  BlockedVolumeHeader header;
   header.Grid = this->Grid.Coarsen(level);
   if (this->Lines)
   {
     header.Lines = this->Lines->Coarsen(level);
   }
+  header.BlockSize = this->BlockSize;
   header.NumberOfLevels = this->Overviews[overview].NumberOfLevels;
   header.NumberOfStores = this->Overviews[overview].NumberOfStores;
-  header.Overviews.clear();
-  for (TimeStepDescription& step : header.TimeSteps)
+  header.NumberOfReplicas = this->NumberOfReplicas;
+  header.Distribution = this->Distribution;
+  header.RandomSeed = this->RandomSeed;
+  header.Compression = this->Compression;
+  header.Arrays = this->Arrays;
+  for (const TimeStepDescription& step : this->TimeSteps)
   {
-    step.Folder = GetOverviewFolder(step.Folder, overview);
-    step.Stores = step.Overviews[overview];
-    step.Overviews.clear();
-    step.Source.reset();
+    TimeStepDescription& own = header.TimeSteps.emplace_back();
+    own.Time = step.Time;
+    own.Folder = GetOverviewFolder(step.Folder, overview);
+    own.Ranges = step.Ranges;
+    own.Stores = step.Overviews[overview];
+    own.CopyOf = step.CopyOf;
   }
   return header;
 }

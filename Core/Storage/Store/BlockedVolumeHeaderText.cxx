@@ -5,6 +5,7 @@
 #include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/JsonDocument.h"
+#include "Storage/Store/StoreLists.h"
 
 #include <nlohmann/json.hpp>
 
@@ -241,10 +242,28 @@ std::vector<ArrayDescription> ReadArrays(JsonMembers& document)
   return arrays;
 }
 
+/// `lists`: of the text that the members are of; null if all of it was parsed.
 std::vector<StoreDescription> ReadStores(
-  JsonMembers& members, std::uint32_t count, std::size_t variables)
+  JsonMembers& members, std::uint32_t count, std::size_t variables, StoreLists* lists)
 {
   std::vector<StoreDescription> stores;
+  if (lists)
+  {
+    const Json& number = members.GetArray("stores", 1);
+    if (members.IsOk())
+    {
+      stores = std::move(lists->Lists[number[0].get<std::size_t>()]);
+    }
+    const bool fits = stores.size() == count &&
+      std::all_of(stores.begin(), stores.end(),
+        [&](const StoreDescription& store)
+        { return store.Seals.empty() || store.Seals.size() == 1 + variables; });
+    if (!fits)
+    {
+      members.Fail("stores", "does not fit the volume");
+    }
+    return stores;
+  }
   members.Visit("stores", count,
     [&](JsonMembers& store)
     {
@@ -287,7 +306,8 @@ SourceRecord ReadSource(JsonMembers members)
   return record;
 }
 
-TimeStepDescription ReadTimeStep(JsonMembers& members, const BlockedVolumeHeader& header)
+TimeStepDescription ReadTimeStep(
+  JsonMembers& members, const BlockedVolumeHeader& header, StoreLists* lists)
 {
   TimeStepDescription step;
   if (!members.GetAny("time").is_null())
@@ -301,13 +321,13 @@ TimeStepDescription ReadTimeStep(JsonMembers& members, const BlockedVolumeHeader
   {
     step.Ranges.push_back(ReadRange(members, ranges[variable], variables[variable].Type));
   }
-  step.Stores = ReadStores(members, header.NumberOfStores, variables.GetCount());
+  step.Stores = ReadStores(members, header.NumberOfStores, variables.GetCount(), lists);
   members.Visit("overviews", header.Overviews.size(),
     [&](JsonMembers& overview)
     {
       const OverviewDescription& described = header.Overviews[step.Overviews.size()];
       step.Overviews.push_back(
-        ReadStores(overview, described.NumberOfStores, variables.GetCount()));
+        ReadStores(overview, described.NumberOfStores, variables.GetCount(), lists));
     });
   if (members.Has("source"))
   {
@@ -357,6 +377,52 @@ Json FormatTimeStep(const TimeStepDescription& step, const ArrayVariables& varia
   return json;
 }
 
+/// `lists`: those of the text; null: parses all of it as a document.
+Result<BlockedVolumeHeader> ParseText(
+  const std::string& text, const std::string& path, StoreLists* lists)
+{
+  const auto document = ParseDocument(
+    text, path, FormatName, BlockedVolumeHeader::FormatVersion, lists ? &lists->Rest : nullptr);
+  ISOSURFACE_RETURN_IF_ERROR(document.GetStatus());
+  Status status;
+  JsonMembers members(*document, path, "", status);
+  BlockedVolumeHeader header;
+  header.Grid = ReadGrid(members.GetObject("grid"));
+  header.Lines = ReadLines(members.GetObject("grid"));
+  ReadBlocks(members, header);
+  ReadDistribution(members.GetObject("distribution"), header);
+  const std::string compression = members.GetString("compression");
+  const auto codec = FindCodec(compression);
+  header.Compression.Codec = codec.value_or(SegmentCodec::None);
+  if (header.Compression.Codec != SegmentCodec::None)
+  {
+    header.Compression.Level = static_cast<int>(members.GetInteger("compressionLevel", 1, 99));
+  }
+  header.Arrays = ReadArrays(members);
+  const int largestNumberOfLevels = GetMaximumNumberOfLevels(header.BlockSize);
+  members.Visit("overviews", JsonMembers::AnySize,
+    [&](JsonMembers& overview)
+    {
+      header.Overviews.push_back(
+        { static_cast<int>(overview.GetInteger("numberOfLevels", 1, largestNumberOfLevels)),
+          static_cast<std::uint32_t>(overview.GetInteger("stores", 1, MaximumStores)) });
+    });
+  members.Visit("timeSteps", JsonMembers::AnySize,
+    [&](JsonMembers& step) { header.TimeSteps.push_back(ReadTimeStep(step, header, lists)); });
+  ISOSURFACE_RETURN_IF_ERROR(status);
+  if (!codec)
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": compression \"" + compression + "\" is not known to this version");
+  }
+  const Status valid = header.Validate();
+  if (!valid.IsOk())
+  {
+    return Status(StatusCode::Corrupt, path + ": " + valid.GetMessage());
+  }
+  return header;
+}
+
 } // namespace
 
 std::string BlockedVolumeHeader::Format() const
@@ -399,45 +465,16 @@ std::string BlockedVolumeHeader::Format() const
 Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
   const std::string& text, const std::string& path)
 {
-  const auto document = ParseDocument(text, path, FormatName, FormatVersion);
-  ISOSURFACE_RETURN_IF_ERROR(document.GetStatus());
-  Status status;
-  JsonMembers members(*document, path, "", status);
-  BlockedVolumeHeader header;
-  header.Grid = ReadGrid(members.GetObject("grid"));
-  header.Lines = ReadLines(members.GetObject("grid"));
-  ReadBlocks(members, header);
-  ReadDistribution(members.GetObject("distribution"), header);
-  const std::string compression = members.GetString("compression");
-  const auto codec = FindCodec(compression);
-  header.Compression.Codec = codec.value_or(SegmentCodec::None);
-  if (header.Compression.Codec != SegmentCodec::None)
+  if (auto lists = CutStoreLists(text))
   {
-    header.Compression.Level = static_cast<int>(members.GetInteger("compressionLevel", 1, 99));
-  }
-  header.Arrays = ReadArrays(members);
-  const int largestNumberOfLevels = GetMaximumNumberOfLevels(header.BlockSize);
-  members.Visit("overviews", JsonMembers::AnySize,
-    [&](JsonMembers& overview)
+    auto header = ParseText(text, path, &*lists);
+    if (header.IsOk())
     {
-      header.Overviews.push_back(
-        { static_cast<int>(overview.GetInteger("numberOfLevels", 1, largestNumberOfLevels)),
-          static_cast<std::uint32_t>(overview.GetInteger("stores", 1, MaximumStores)) });
-    });
-  members.Visit("timeSteps", JsonMembers::AnySize,
-    [&](JsonMembers& step) { header.TimeSteps.push_back(ReadTimeStep(step, header)); });
-  ISOSURFACE_RETURN_IF_ERROR(status);
-  if (!codec)
-  {
-    return Status(StatusCode::Unsupported,
-      path + ": compression \"" + compression + "\" is not known to this version");
+      return header;
+    }
+    // What is wrong can be said more clearly if all of it is parsed.
   }
-  const Status valid = header.Validate();
-  if (!valid.IsOk())
-  {
-    return Status(StatusCode::Corrupt, path + ": " + valid.GetMessage());
-  }
-  return header;
+  return ParseText(text, path, nullptr);
 }
 
 Result<std::string> BlockedVolumeHeader::ReadText(FileSystem& files, const std::string& path)

@@ -80,8 +80,8 @@ std::string FormatDocument(Json object)
   return text + ChecksumName + ": \"" + FormatChecksum(checksum) + "\"\n}\n";
 }
 
-Result<Json> ParseDocument(
-  const std::string& text, const std::string& path, const std::string& format, std::int64_t version)
+Result<Json> ParseDocument(const std::string& text, const std::string& path,
+  const std::string& format, std::int64_t version, const std::string* shortened)
 {
   // A large text is not worth the work of parsing unless its checksum is right; of a small one,
   // what is wrong can be said more clearly.
@@ -90,7 +90,9 @@ Result<Json> ParseDocument(
   {
     return Status(StatusCode::Corrupt, path + ": has a wrong checksum");
   }
-  Json document = IsJsonDeeperThan(text, MaximumDepth) ? Json() : Json::parse(text, nullptr, false);
+  const std::string& parsed = shortened ? *shortened : text;
+  Json document =
+    IsJsonDeeperThan(parsed, MaximumDepth) ? Json() : Json::parse(parsed, nullptr, false);
   if (document.is_discarded() || !document.is_object())
   {
     return Status(StatusCode::Corrupt, path + ": was cut off, or is not a " + format);
@@ -223,19 +225,16 @@ std::vector<std::uint64_t> JsonMembers::GetChecksums(const char* member, std::si
   constexpr std::size_t digits = 16;
   const std::string text = this->GetString(member);
   std::vector<std::uint64_t> checksums(count);
-  if (text.size() != count * digits ||
-    text.find_first_not_of("0123456789abcdef") != std::string::npos)
+  bool areDigits = text.size() == count * digits;
+  for (std::size_t index = 0; areDigits && index < count; ++index)
+  {
+    areDigits = ParseChecksum(text.data() + index * digits, checksums[index]);
+  }
+  if (!areDigits)
   {
     this->Fail(member,
       (count == 1 ? "is not a number of " : "is not " + std::to_string(count) + " numbers of ") +
         std::to_string(digits) + " hexadecimal digits");
-    return checksums;
-  }
-  for (std::size_t index = 0; index < text.size(); ++index)
-  {
-    const char digit = text[index];
-    checksums[index / digits] = checksums[index / digits] << 4 |
-      static_cast<std::uint64_t>(digit <= '9' ? digit - '0' : digit - 'a' + 10);
   }
   return checksums;
 }

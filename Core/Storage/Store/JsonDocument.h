@@ -32,10 +32,11 @@ std::string FormatDocument(Json object);
 /**
  * Reads what FormatDocument wrote. The depth of nesting is checked before anything recursive sees
  * the document. Errors name `path`: Corrupt (no JSON object, another "format", a wrong checksum),
- * Unsupported (a "formatVersion" above `version`).
+ * Unsupported (a "formatVersion" above `version`). `shortened`: the text without some parts that
+ * the caller has read, but for which it says the same; may be null.
  */
 Result<Json> ParseDocument(const std::string& text, const std::string& path,
-  const std::string& format, std::int64_t version);
+  const std::string& format, std::int64_t version, const std::string* shortened = nullptr);
 
 /// Reads the members of an object whose contents are not trusted. After the first error every
 /// function returns a harmless value; the error (Corrupt) names file and member.

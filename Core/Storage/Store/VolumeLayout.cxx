@@ -3,7 +3,9 @@
 
 #include "Ground/Base/Checksum.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -12,47 +14,58 @@ namespace isosurface
 namespace
 {
 
-/// Identifies the contents of a time step.
-std::uint64_t ComputeIdentity(const std::string& path, const TimeStepDescription& step)
+constexpr std::size_t EndSize = 64;
+
+std::string FindCanonicalPath(const std::string& path)
 {
   std::error_code error;
   const std::filesystem::path canonical = std::filesystem::weakly_canonical(path, error);
-  std::string text = (error ? path : canonical.string()) + "\n" + step.Folder;
+  return error ? path : canonical.string();
+}
+
+/// Identifies the contents of a time step of the volume at a canonical path.
+std::uint64_t ComputeIdentity(const std::string& place, const TimeStepDescription& step)
+{
+  const std::string text = place + "\n" + step.Folder;
+  std::vector<std::uint64_t> parts = { ComputeChecksum(text.data(), text.size()) };
   for (const StoreDescription& store : step.Stores)
   {
-    text += FormatChecksum(store.Checksum);
+    parts.push_back(store.Checksum);
   }
-  return ComputeChecksum(text.data(), text.size());
+  return ComputeChecksum(parts.data(), parts.size() * sizeof(std::uint64_t));
 }
 
 } // namespace
 
-VolumeLayout::VolumeLayout(std::string path, std::string text, const BlockedVolumeHeader& header)
+VolumeLayout::VolumeLayout(std::string path, const std::string& text, BlockedVolumeHeader header)
   : Path(std::move(path))
-  , HeaderText(std::move(text))
-  , Fingerprint(ComputeChecksum(HeaderText.data(), HeaderText.size()))
+  , HeaderSize(text.size())
+  , HeaderEnd(text.substr(text.size() - std::min(text.size(), EndSize)))
+  , Fingerprint(ComputeChecksum(HeaderEnd.data(), HeaderEnd.size(), HeaderSize))
   , Variables(header.GetVariables())
 {
-  this->AddPart(header);
-  for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
+  const std::string place = FindCanonicalPath(this->Path);
+  this->AddPart(std::move(header), place);
+  for (std::size_t overview = 0; overview < this->GetHeader().Overviews.size(); ++overview)
   {
-    this->AddPart(header.MakeOverview(overview));
+    this->AddPart(this->GetHeader().MakeOverview(overview), place);
   }
-  for (int level = 0; header.Lines && level < this->GetNumberOfLevels(); ++level)
+  const std::optional<GridLines>& lines = this->GetHeader().Lines;
+  for (int level = 0; lines && level < this->GetNumberOfLevels(); ++level)
   {
-    this->Lines.push_back(header.Lines->Coarsen(level));
+    this->Lines.push_back(lines->Coarsen(level));
   }
 }
 
-void VolumeLayout::AddPart(const BlockedVolumeHeader& header)
+void VolumeLayout::AddPart(BlockedVolumeHeader header, const std::string& place)
 {
   VolumePart part;
   part.FirstLevel = this->Parts.empty() ? 0 : this->GetNumberOfLevels();
-  part.Header = header;
-  part.Grid = header.GetBlockGrid();
-  for (const TimeStepDescription& step : header.TimeSteps)
+  part.Header = std::move(header);
+  part.Grid = part.Header.GetBlockGrid();
+  for (const TimeStepDescription& step : part.Header.TimeSteps)
   {
-    part.Identities.push_back(ComputeIdentity(this->Path, step));
+    part.Identities.push_back(ComputeIdentity(place, step));
   }
   this->Parts.push_back(std::move(part));
 }

@@ -31,10 +31,12 @@ class VolumeLayout
 {
 public:
   /// `text`: that of the header's file.
-  VolumeLayout(std::string path, std::string text, const BlockedVolumeHeader& header);
+  VolumeLayout(std::string path, const std::string& text, BlockedVolumeHeader header);
 
   const std::string& GetPath() const { return this->Path; }
-  const std::string& GetHeaderText() const { return this->HeaderText; }
+  /// The bytes of the header's file, and its last ones, which have the checksum of all others.
+  std::uint64_t GetHeaderSize() const { return this->HeaderSize; }
+  const std::string& GetHeaderEnd() const { return this->HeaderEnd; }
   const BlockedVolumeHeader& GetHeader() const { return this->Parts.front().Header; }
   /// Differs between volumes with different headers: other contents, another write (whose time
   /// steps are in other folders), another number of time steps. It does not depend on the path.
@@ -66,10 +68,12 @@ public:
     const StoredLevel& stored) const;
 
 private:
-  void AddPart(const BlockedVolumeHeader& header);
+  /// `place`: the canonical path.
+  void AddPart(BlockedVolumeHeader header, const std::string& place);
 
   std::string Path;
-  std::string HeaderText;
+  std::uint64_t HeaderSize;
+  std::string HeaderEnd;
   std::uint64_t Fingerprint;
   ArrayVariables Variables;
   std::vector<VolumePart> Parts;

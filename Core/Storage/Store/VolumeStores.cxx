@@ -4,7 +4,6 @@
 #include "Storage/Store/SourceSamples.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace isosurface
@@ -26,17 +25,15 @@ bool HasSameContents(const TimeStepDescription& a, const TimeStepDescription& b)
   return equal;
 }
 
-/// Whether a file can be read, and is this header. Each store that is opened asks, so only its end is
-/// read: there the header has the checksum of all of it.
-bool HasHeader(FileSystem& files, const std::string& path, const std::string& text)
+/// Whether the header's file can be read, and is as it was. Each store that is opened asks, so only
+/// its end is read: there it has the checksum of all of it.
+bool HasHeader(FileSystem& files, const VolumeLayout& layout)
 {
-  std::array<char, 64> end{};
-  const std::size_t size = std::min(end.size(), text.size());
-  const std::size_t begin = text.size() - size;
-  const auto file = files.OpenForReading(path);
-  return file.IsOk() && (*file)->GetSize() == text.size() &&
-    (*file)->Read(begin, size, end.data()).IsOk() &&
-    text.compare(begin, size, end.data(), size) == 0;
+  std::string end(layout.GetHeaderEnd().size(), '\0');
+  const auto file = files.OpenForReading(layout.GetPath());
+  return file.IsOk() && (*file)->GetSize() == layout.GetHeaderSize() &&
+    (*file)->Read(layout.GetHeaderSize() - end.size(), end.size(), end.data()).IsOk() &&
+    end == layout.GetHeaderEnd();
 }
 
 } // namespace
@@ -58,7 +55,7 @@ VolumeStores::VolumeStores(const VolumeLayout& layout, FileSystem& files,
 
 Status VolumeStores::CheckNotRewritten(std::size_t timeStep) const
 {
-  if (HasHeader(this->Files, this->Layout.GetPath(), this->Layout.GetHeaderText()))
+  if (HasHeader(this->Files, this->Layout))
   {
     return Status::Ok();
   }
