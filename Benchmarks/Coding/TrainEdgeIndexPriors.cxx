@@ -60,18 +60,16 @@ int Stretch(const AdaptiveBit& bit)
 void ForgetSides(ResidualModel& model)
 {
   constexpr std::uint32_t count = 2;
-  for (std::vector<SymbolTree>& table : model.BySide)
+  std::vector<SymbolTree> priors;
+  for (std::size_t level = 0; level < model.ByLevel.size(); level += 2)
   {
-    for (std::size_t n = 0; n < table.size(); ++n)
-    {
-      const SymbolTree& level = model.ByLevel[2 * (n / ResidualModel::NumberOfSides)];
-      for (std::size_t node = 0; node < level.Nodes.size(); ++node)
-      {
-        table[n].Nodes[node] =
-          MakeAdaptiveBit(static_cast<std::int8_t>(Stretch(level.Nodes[node])), count);
-      }
-    }
+    SymbolTree& prior = priors.emplace_back();
+    std::transform(model.ByLevel[level].Nodes.begin(), model.ByLevel[level].Nodes.end(),
+      prior.Nodes.begin(),
+      [](const AdaptiveBit& node)
+      { return MakeAdaptiveBit(static_cast<std::int8_t>(Stretch(node)), count); });
   }
+  model.BySide = SideTrees(std::move(priors));
 }
 
 /// errors: the maximum ones to code each block at; 0 for lossless.

@@ -2,6 +2,7 @@
 #include "Coding/BlockCoding/BlockModel.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace isosurface
 {
@@ -44,6 +45,17 @@ SignModel::SignModel(bool mixed)
     [](std::int8_t prior) { return MakeAdaptiveBit(prior, SignCount); });
   SetPriors(this->Quiet);
   SetWeights(SignMixers, this->Mixers.size(), this->Mixers.data());
+}
+
+void SignModel::Reset(const SignModel& fresh)
+{
+  this->Near = fresh.Near;
+  this->Quiet = fresh.Quiet;
+  for (std::vector<AdaptiveBit>& table : this->Hashed)
+  {
+    std::fill(table.begin(), table.end(), AdaptiveBit());
+  }
+  this->Mixers = fresh.Mixers;
 }
 
 NetworkSignModel::NetworkSignModel(bool used)
@@ -93,15 +105,23 @@ ResidualModel::ResidualModel(bool mixed, const MagnitudeTables& tables)
   {
     this->ByLevel.push_back(makeTree(level, LevelCount));
   }
-  for (std::vector<SymbolTree>& table : this->BySide)
+  std::vector<SymbolTree> sides;
+  for (std::size_t level = 0; level < std::size_t{ NumberOfLevels }; level += 2)
   {
-    for (std::size_t level = 0; level < std::size_t{ NumberOfLevels }; level += 2)
-    {
-      table.insert(table.end(), NumberOfSides, makeTree(level, SideCount));
-    }
+    sides.push_back(makeTree(level, SideCount));
   }
+  this->BySide = SideTrees(std::move(sides));
   this->Mixers.resize(NumberOfMixerSets * std::size_t(NumberOfSymbols));
   SetWeights(*tables.Mixers, this->Mixers.size(), this->Mixers.data());
+}
+
+void ResidualModel::Reset(const ResidualModel& fresh)
+{
+  this->Symbols = fresh.Symbols;
+  this->ByLevel = fresh.ByLevel;
+  this->BySide.Reset();
+  this->Mixers = fresh.Mixers;
+  this->Escape = fresh.Escape;
 }
 
 ValueModel::ValueModel(bool mixed)
@@ -113,11 +133,26 @@ ValueModel::ValueModel(bool mixed)
   }
 }
 
+void ValueModel::Reset(const ValueModel& fresh)
+{
+  this->Residuals.Reset(fresh.Residuals);
+  this->Weights = fresh.Weights;
+  this->MeanHeight = fresh.MeanHeight;
+  this->MeanLevel = fresh.MeanLevel;
+}
+
 CrossingModel::CrossingModel(EdgeIndexProfile profile)
   : Residuals(profile == EdgeIndexProfile::Compact
         ? ResidualModel(true, { &CurvedCrossingLevels, nullptr, &CurvedCrossingMixers })
         : ResidualModel(IsMixed(profile), { &CrossingLevels, &CrossingSymbols, &CrossingMixers }))
 {
+}
+
+void CrossingModel::Reset(const CrossingModel& fresh)
+{
+  this->Residuals.Reset(fresh.Residuals);
+  this->Missing = fresh.Missing;
+  this->MeanLevel = fresh.MeanLevel;
 }
 
 void BlockModel::Reset(bool forValues)
@@ -129,15 +164,15 @@ void BlockModel::Reset(bool forValues)
   }
   else
   {
-    this->Signs = fresh.Signs;
+    this->Signs.Reset(fresh.Signs);
   }
   if (forValues)
   {
-    this->Values = fresh.Values;
+    this->Values.Reset(fresh.Values);
   }
   else
   {
-    this->Crossings = fresh.Crossings;
+    this->Crossings.Reset(fresh.Crossings);
   }
 }
 

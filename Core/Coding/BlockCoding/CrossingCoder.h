@@ -24,6 +24,9 @@ struct CrossingModel
 {
   explicit CrossingModel(EdgeIndexProfile profile);
 
+  /// Forgets what was learnt since it was like `fresh`.
+  void Reset(const CrossingModel& fresh);
+
   ResidualModel Residuals;
   AdaptiveBit Missing;
   int MeanLevel = 20 * 16; ///< of errors in eighths of an interval, times 16

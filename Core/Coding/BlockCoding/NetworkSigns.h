@@ -55,9 +55,8 @@ class NetworkSigns
 public:
   using Model = NetworkSignModel;
 
-  NetworkSigns(Coder& coder, NetworkSignModel& model)
-    : Output(coder)
-    , Known(model)
+  explicit NetworkSigns(NetworkSignModel& model)
+    : Known(model)
     , Network(GetSignNetwork())
     , Sums(Network.MakeRow(Around.GetRow()))
   {
@@ -72,8 +71,8 @@ public:
   }
 
   /// Codes the sign of vertex x. own: the signs at x - 2 (bit 0) and x - 1; row: decoded up to x.
-  bool CodeVertex(
-    bool bit, std::uint32_t own, const SignRow& row, const SignRowsAround& rows, int x)
+  bool CodeVertex(Coder& coder, bool bit, std::uint32_t own, const SignRow& row,
+    const SignRowsAround& rows, int x)
   {
     const bool flipped = own >> 1 != 0;
     const SignNetworkInputs seen = this->Around.Find(flipped, row, rows, x);
@@ -86,7 +85,7 @@ public:
       contexts[n] = &this->Known.Contexts[n][indices.Contexts[n]];
       inputs[SignNetwork::Depth + n] = Compare(*contexts[n], predicted);
     }
-    return this->CodeMixed(bit != flipped, inputs, contexts, indices) != flipped;
+    return this->CodeMixed(coder, bit != flipped, inputs, contexts, indices) != flipped;
   }
 
 private:
@@ -117,8 +116,8 @@ private:
   }
 
   // Codes a bit with the mean of four mixers; mixers and contexts learn it.
-  bool CodeMixed(
-    bool bit, const WideMixer::Values& inputs, const Contexts& contexts, const Indices& indices)
+  bool CodeMixed(Coder& coder, bool bit, const WideMixer::Values& inputs, const Contexts& contexts,
+    const Indices& indices)
   {
     std::array<WideMixer*, NetworkSignModel::NumberOfKinds> mixers;
     std::array<int, NetworkSignModel::NumberOfKinds> mixed;
@@ -130,7 +129,7 @@ private:
       sum += mixed[n];
     }
     const std::uint32_t probability = GetSquashed(sum >> 2);
-    bit = this->Output.CodeBit(bit, probability);
+    bit = coder.CodeBit(bit, probability);
     for (std::size_t n = 0; n < mixers.size(); ++n)
     {
       mixers[n]->Update(inputs, mixed[n], bit);
@@ -200,7 +199,6 @@ private:
     return static_cast<std::int16_t>(std::clamp(difference * share >> 12, -2047, 2047));
   }
 
-  Coder& Output;
   NetworkSignModel& Known;
   const SignNetwork& Network;
   SignNeighborhood Around;

@@ -10,9 +10,9 @@
 #if defined(__GNUC__) && defined(__x86_64__)
 #  if defined(__OPTIMIZE__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
-#    define ISOSURFACE_NEWEST_CODERS __attribute__((flatten, target("avx2,bmi,bmi2,popcnt")))
+#    define ISOSURFACE_NEWEST_CODERS __attribute__((flatten, target("avx2,bmi,bmi2,lzcnt,popcnt")))
 #  else
-#    define ISOSURFACE_NEWEST_CODERS __attribute__((target("avx2,bmi,bmi2,popcnt")))
+#    define ISOSURFACE_NEWEST_CODERS __attribute__((target("avx2,bmi,bmi2,lzcnt,popcnt")))
 #  endif
 #endif
 
@@ -22,6 +22,7 @@ namespace isosurface
 #ifdef ISOSURFACE_NEWEST_CODERS
 inline bool HasNewestInstructions()
 {
+  // Not all compilers can ask for LZCNT, which every processor with AVX2 has.
   static const bool has = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
     __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
   return has;

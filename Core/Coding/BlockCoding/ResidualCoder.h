@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -20,10 +21,9 @@ inline int MeasureMagnitude(std::uint64_t magnitude)
 {
   constexpr std::uint64_t maximum = (std::uint64_t(1) << 62) - 1;
   const std::uint64_t number = (magnitude < maximum ? magnitude : maximum) + 1;
-  const int exponent = 63 - __builtin_clzll(number);
-  const std::uint64_t fraction =
-    exponent >= 3 ? number >> (exponent - 3) : number << (3 - exponent);
-  return 8 * exponent + static_cast<int>(fraction & 7);
+  const int zeros = __builtin_clzll(number);
+  // Eight, and the three digits after the first one.
+  return 8 * (62 - zeros) + static_cast<int>(number << zeros >> 60);
 }
 
 /// What is known before a magnitude is coded.
@@ -68,10 +68,13 @@ struct BoundedGuess
     const std::int64_t room = this->GetRoom();
     const std::int64_t difference = number - this->Guess;
     const std::int64_t distance = difference < 0 ? -difference : difference;
-    const bool first = (difference < 0) == this->LowerFirst;
-    return static_cast<std::uint64_t>(distance > room ? distance + room
-        : first && distance != 0                      ? 2 * distance - 1
-                                                      : 2 * distance);
+    if (distance > room)
+    {
+      return static_cast<std::uint64_t>(distance + room);
+    }
+    const std::uint64_t first =
+      SpreadBit((difference < 0) == this->LowerFirst) & (distance != 0 ? 1 : 0);
+    return 2 * static_cast<std::uint64_t>(distance) - first;
   }
 
   /// Magnitudes that no encoder writes give the number of the maximum magnitude.
@@ -86,7 +89,8 @@ struct BoundedGuess
       return below ? this->Guess - (rank - room) : this->Guess + (rank - room);
     }
     const std::int64_t distance = (rank + 1) / 2;
-    return ((rank & 1) != 0) == this->LowerFirst ? this->Guess - distance : this->Guess + distance;
+    const auto below = static_cast<std::int64_t>(SpreadBit(((rank & 1) != 0) == this->LowerFirst));
+    return this->Guess + ((distance ^ below) - below);
   }
 };
 
@@ -106,21 +110,63 @@ struct alignas(64) SymbolTree
   std::array<AdaptiveBit, NumberOfSymbols> Nodes;
 };
 
+/**
+ * Trees by side and half the level. A block needs few of them, so each is made when it is first used,
+ * a copy of the prior of its level: to make all would take longer than to code a small block. Node 0
+ * tells which block a tree was made for.
+ */
+class SideTrees
+{
+public:
+  static constexpr std::size_t NumberOfSides = 128;
+  static constexpr std::size_t NumberOfTables = 5;
+
+  /// By half the level.
+  explicit SideTrees(std::vector<SymbolTree> priors = {})
+    : Priors(std::move(priors))
+  {
+    for (std::vector<SymbolTree>& table : this->Tables)
+    {
+      table.resize(this->Priors.size() * NumberOfSides);
+    }
+  }
+
+  /// Forgets all trees.
+  void Reset() { ++this->Block; }
+
+  AdaptiveBit* GetNodes(std::size_t table, std::size_t halfLevel, std::uint32_t side)
+  {
+    SymbolTree& tree = this->Tables[table][halfLevel * NumberOfSides + side];
+    if (tree.Nodes[0].State != this->Block)
+    {
+      tree = this->Priors[halfLevel];
+      tree.Nodes[0].State = this->Block;
+    }
+    return tree.Nodes.data();
+  }
+
+private:
+  std::vector<SymbolTree> Priors;
+  std::array<std::vector<SymbolTree>, NumberOfTables> Tables;
+  std::uint32_t Block = 0;
+};
+
 /// Probabilities of magnitudes.
 struct ResidualModel
 {
   static constexpr int NumberOfLevels = 32;
-  static constexpr int NumberOfSides = 128;
   static constexpr int NumberOfMixerSets = 4;
-  static constexpr int NumberOfSideTables = 5;
 
   ResidualModel(bool mixed, const MagnitudeTables& tables);
 
+  /// Forgets what was learnt since it was like `fresh`.
+  void Reset(const ResidualModel& fresh);
+
   /// If not mixed: by level and the first side (8 of them).
   std::vector<AdaptiveSymbol> Symbols;
-  /// If mixed: nodes of the binary tree of symbols, by level, and by side and half the level.
+  /// If mixed: nodes of the binary tree of symbols.
   std::vector<SymbolTree> ByLevel;
-  std::array<std::vector<SymbolTree>, NumberOfSideTables> BySide;
+  SideTrees BySide;
   std::vector<LogisticMixer> Mixers;
   std::array<AdaptiveBit, 64> Escape;
 };
@@ -145,6 +191,15 @@ public:
 
   std::uint64_t Code(std::uint64_t magnitude, const ResidualContext& context)
   {
+    Coder coder = this->Output;
+    magnitude = this->CodeBy(coder, magnitude, context);
+    this->Output = coder;
+    return magnitude;
+  }
+
+private:
+  std::uint64_t CodeBy(Coder& coder, std::uint64_t magnitude, const ResidualContext& context)
+  {
     const int low = std::max(0, (context.Level >> 3) - 2);
     std::uint64_t rest = magnitude >> low;
     const int level = FindLevelClass(context.Level, low);
@@ -153,19 +208,20 @@ public:
     {
       symbol = FindSymbol(rest);
     }
-    symbol = Mixed ? this->CodeSymbolMixed(symbol, level, context)
-                   : this->CodeSymbol(symbol, level, context);
+    symbol = Mixed ? this->CodeSymbolMixed(coder, symbol, level, context)
+                   : this->CodeSymbol(coder, symbol, level, context);
     if (symbol == Last)
     {
+      this->Output = coder;
       rest = this->CodeEscape(rest - First[Last]) + First[Last];
-      return rest << low | this->CodeDigits(magnitude, low);
+      coder = this->Output;
+      return rest << low | CodeDigits(coder, magnitude, low);
     }
     // The extra bits and the low bits at once.
     const std::uint64_t base = std::uint64_t{ First[symbol] } << low;
-    return base + this->CodeDigits(magnitude - base, Bits[symbol] + low);
+    return base + CodeDigits(coder, magnitude - base, Bits[symbol] + low);
   }
 
-private:
   static constexpr int Last = NumberOfSymbols - 1;
   static constexpr std::uint8_t First[NumberOfSymbols] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16,
     20, 28, 44, 76 };
@@ -193,37 +249,37 @@ private:
     return low == 0 ? std::min(level / 2, 11) : 12 + (level & 7) / 2 + 4 * std::min(low - 1, 4);
   }
 
-  int CodeSymbol(int symbol, int level, const ResidualContext& context)
+  int CodeSymbol(Coder& coder, int symbol, int level, const ResidualContext& context)
   {
     AdaptiveSymbol& model =
       this->Model.Symbols[static_cast<std::size_t>(level) * 8 + (context.Sides[0] & 7)];
-    symbol = this->Output.CodeSymbol(symbol, model.Cumulative.data());
+    symbol = coder.CodeSymbol(symbol, model.Cumulative.data());
     model.Update(symbol);
     return symbol;
   }
 
-  int CodeSymbolMixed(int symbol, int level, const ResidualContext& context)
+  int CodeSymbolMixed(Coder& coder, int symbol, int level, const ResidualContext& context)
   {
     constexpr std::size_t nodes = NumberOfSymbols;
-    std::array<AdaptiveBit*, ResidualModel::NumberOfSideTables + 1> tables;
+    std::array<AdaptiveBit*, SideTrees::NumberOfTables + 1> tables;
     tables[0] = this->Model.ByLevel[static_cast<std::size_t>(level)].Nodes.data();
-    for (std::size_t n = 0; n < ResidualModel::NumberOfSideTables; ++n)
+    for (std::size_t n = 0; n < SideTrees::NumberOfTables; ++n)
     {
-      const std::size_t tree =
-        static_cast<std::size_t>(level / 2) * ResidualModel::NumberOfSides + context.Sides[n];
-      tables[n + 1] = this->Model.BySide[n][tree].Nodes.data();
+      tables[n + 1] =
+        this->Model.BySide.GetNodes(n, static_cast<std::size_t>(level / 2), context.Sides[n]);
     }
     const std::size_t mixers = static_cast<std::size_t>(std::min(level / 5, 3)) * nodes;
     std::size_t node = 1;
     for (int bit = 3; bit >= 0; --bit)
     {
-      AdaptiveBit* models[ResidualModel::NumberOfSideTables + 1];
-      for (std::size_t n = 0; n <= ResidualModel::NumberOfSideTables; ++n)
+      AdaptiveBit* models[SideTrees::NumberOfTables + 1];
+      for (std::size_t n = 0; n <= SideTrees::NumberOfTables; ++n)
       {
         models[n] = tables[n] + node;
       }
-      const bool one = CodeMixed<ResidualModel::NumberOfSideTables + 1>(
-        this->Output, models, this->Model.Mixers[mixers + node], (symbol >> bit & 1) != 0, 250, 1);
+      const bool one =
+        CodeMixed(coder, models, std::make_index_sequence<SideTrees::NumberOfTables + 1>(),
+          this->Model.Mixers[mixers + node], (symbol >> bit & 1) != 0, 250, 1);
       node = 2 * node + (one ? 1 : 0);
     }
     return static_cast<int>(node - nodes);
@@ -245,11 +301,11 @@ private:
     {
       ++count;
     }
-    return ((std::uint64_t(1) << count) | this->CodeDigits(excess + 1, count)) - 1;
+    return ((std::uint64_t(1) << count) | CodeDigits(this->Output, excess + 1, count)) - 1;
   }
 
   // The lowest `count` binary digits of a number.
-  std::uint64_t CodeDigits(std::uint64_t number, int count)
+  static std::uint64_t CodeDigits(Coder& coder, std::uint64_t number, int count)
   {
     std::uint64_t bits = 0;
     while (count > 0)
@@ -257,7 +313,7 @@ private:
       const int size = std::min(count, MaximumUniformBits);
       count -= size;
       const auto digits = static_cast<std::uint32_t>(number >> count & ((1u << size) - 1));
-      bits = bits << size | this->Output.CodeUniform(digits, size);
+      bits = bits << size | coder.CodeUniform(digits, size);
     }
     return bits;
   }

@@ -28,6 +28,9 @@ struct SignModel
 
   explicit SignModel(bool mixed);
 
+  /// Forgets what was learnt since it was like `fresh`.
+  void Reset(const SignModel& fresh);
+
   /// By 12 decoded neighbours, relative to the sign of the left one; a second table for the first
   /// slice.
   std::array<AdaptiveBit, std::size_t(2) << NumberOfNeighbors> Near;
@@ -64,16 +67,16 @@ class ContextSigns
 public:
   using Model = SignModel;
 
-  ContextSigns(Coder& coder, SignModel& model)
-    : Output(coder)
-    , Known(model)
+  explicit ContextSigns(SignModel& model)
+    : Known(model)
   {
   }
 
   void BeginRow(const SignRowPlace& place) { this->FirstSlice = place.Below ? 0 : 1; }
 
   /// Codes the sign of vertex x. own: the signs at x - 2 (bit 0) and x - 1.
-  bool CodeVertex(bool bit, std::uint32_t own, const SignRow&, const SignRowsAround& rows, int x)
+  bool CodeVertex(
+    Coder& coder, bool bit, std::uint32_t own, const SignRow&, const SignRowsAround& rows, int x)
   {
     const bool flipped = own >> 1 != 0;
     const std::uint32_t flip = flipped ? 31 : 0;
@@ -82,11 +85,12 @@ public:
       this->Known.Near[near | this->FirstSlice << SignModel::NumberOfNeighbors];
     if constexpr (Mixed)
     {
-      return this->CodeWithHashed(bit != flipped, nearModel, near, own, flip, rows, x) != flipped;
+      return this->CodeWithHashed(coder, bit != flipped, nearModel, near, own, flip, rows, x) !=
+        flipped;
     }
     else
     {
-      return CodeAdaptive(this->Output, nearModel, bit != flipped, 255) != flipped;
+      return CodeAdaptive(coder, nearModel, bit != flipped, 255) != flipped;
     }
   }
 
@@ -99,8 +103,8 @@ private:
   }
 
   // Codes a bit, relative to the left sign, with the nearest context and the five hashed ones.
-  bool CodeWithHashed(bool bit, AdaptiveBit& nearModel, std::uint32_t near, std::uint32_t own,
-    std::uint32_t flip, const SignRowsAround& rows, int x)
+  bool CodeWithHashed(Coder& coder, bool bit, AdaptiveBit& nearModel, std::uint32_t near,
+    std::uint32_t own, std::uint32_t flip, const SignRowsAround& rows, int x)
   {
     const auto five = [x, flip](const SignRow& row) { return row.GetWindow(x) ^ flip; };
     const std::uint32_t y = five(rows.Y);
@@ -137,8 +141,8 @@ private:
       models[n + 1] = &this->Known.Hashed[n][hashes[n] & mask];
     }
     const std::size_t mixer = core | left2 << 5 | this->FirstSlice << 6;
-    return CodeMixed<SignModel::NumberOfHashed + 1>(
-      this->Output, models, this->Known.Mixers[mixer], bit, 800, 1);
+    return CodeMixed(coder, models, std::make_index_sequence<SignModel::NumberOfHashed + 1>(),
+      this->Known.Mixers[mixer], bit, 800, 1);
   }
 
   static std::uint32_t Hash(std::uint32_t key)
@@ -146,7 +150,7 @@ private:
     key *= 0x9E3779B1u;
     return (key ^ key >> 15) >> 3;
   }
-  Coder& Output;
+
   SignModel& Known;
   unsigned FirstSlice = 0;
 };
@@ -161,7 +165,7 @@ class SignCoder
 {
 public:
   SignCoder(Coder& coder, typename VertexSigns::Model& model, int sizeX, int sizeY)
-    : Vertices(coder, model)
+    : Vertices(model)
     , Quiet(model.Quiet)
     , Output(coder)
     , SizeX(sizeX)
@@ -252,6 +256,7 @@ private:
     // Vertices left of the row have the sign of the first vertex of Z.
     const bool left = this->Around.Z.Get(0);
     const std::uint64_t margin = (std::uint64_t(1) << SignRow::Margin) - 1;
+    Coder coder = this->Output;
     SignRow coded;
     coded.Words[0] = left ? margin : 0;
     std::uint32_t before = left ? 3 : 0; // the bits of x - 2 and x - 1, lowest first
@@ -260,12 +265,13 @@ private:
       const bool sign = (before & 2) != 0;
       if ((before == 0 && outside.Get(x)) || (before == 3 && inside.Get(x)))
       {
-        x = this->CodeRun(row, coded, sign ? inside : outside, x, sign);
+        x = this->CodeRun(coder, row, coded, sign ? inside : outside, x, sign);
         before = coded.GetWindow(x) & 3;
       }
       else
       {
-        const bool bit = this->Vertices.CodeVertex(row.Get(x), before, coded, this->Around, x);
+        const bool bit =
+          this->Vertices.CodeVertex(coder, row.Get(x), before, coded, this->Around, x);
         coded.Words[static_cast<unsigned>(x + SignRow::Margin) / 64] |= std::uint64_t{ bit }
           << (static_cast<unsigned>(x + SignRow::Margin) % 64);
         before = before >> 1 | (bit ? 2U : 0U);
@@ -273,10 +279,12 @@ private:
       }
     }
     row = coded;
+    this->Output = coder;
   }
 
   // Codes a run of quiet vertices from x on; returns the next vertex.
-  int CodeRun(const SignRow& row, SignRow& coded, const SignRow& quiet, int x, bool sign)
+  int CodeRun(
+    Coder& coder, const SignRow& row, SignRow& coded, const SignRow& quiet, int x, bool sign)
   {
     const int end = std::min(this->SizeX, FindFirst(~quiet, x));
     const int length = end - x;
@@ -286,12 +294,11 @@ private:
       position = std::min(end, FindFirst(sign ? ~row : row, x)) - x;
     }
     const std::size_t context = (sign ? 4 : 0) + (length > 32 ? 3 : length > 8 ? 2 : length > 2);
-    const bool whole = CodeAdaptive(this->Output, this->Quiet[context], position == length, 1023);
+    const bool whole = CodeAdaptive(coder, this->Quiet[context], position == length, 1023);
     if (!whole)
     {
       const int bits = length == 1 ? 0 : 32 - __builtin_clz(static_cast<unsigned>(length - 1));
-      position =
-        static_cast<int>(this->Output.CodeUniform(static_cast<std::uint32_t>(position), bits));
+      position = static_cast<int>(coder.CodeUniform(static_cast<std::uint32_t>(position), bits));
       position = std::min(position, length - 1); // only for bytes that no encoder wrote
     }
     else

@@ -23,6 +23,9 @@ struct ValueModel
 
   explicit ValueModel(bool mixed);
 
+  /// Forgets what was learnt since it was like `fresh`.
+  void Reset(const ValueModel& fresh);
+
   ResidualModel Residuals;
   alignas(64) std::array<std::int32_t, NumberOfTaps> Weights; ///< in units of 2^-25, by InputOrder
   std::int32_t MeanHeight = 700 << 6; ///< the mean magnitude of heights that were coded, times 64

@@ -5,7 +5,9 @@
 #include "Coding/EntropyCoding/RangeCoder.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #if defined(__SSE2__)
 #  include <emmintrin.h>
@@ -110,26 +112,26 @@ struct AdaptiveSymbol
   }
 };
 
-/// Eight stretched probabilities to mix, given as two numbers of four each, lowest first.
+/// Eight stretched probabilities to mix. The last one is constant, the others are 0 unless set.
 struct MixerInputs
 {
   static constexpr int Size = 8;
+  static constexpr std::int16_t Last = 256;
 
 #if defined(__SSE2__)
-  __m128i Values;
-  MixerInputs(std::uint64_t low, std::uint64_t high)
-    : Values(_mm_set_epi64x(static_cast<long long>(high), static_cast<long long>(low)))
+  // Assembled in a register: one load of what several stores just wrote would stall.
+  __m128i Values = _mm_set_epi16(Last, 0, 0, 0, 0, 0, 0, 0);
+  template <int N>
+  void Set(std::int16_t value)
   {
+    this->Values = _mm_insert_epi16(this->Values, value, N);
   }
 #else
-  std::array<std::int16_t, Size> Values;
-  MixerInputs(std::uint64_t low, std::uint64_t high)
+  std::array<std::int16_t, Size> Values{ 0, 0, 0, 0, 0, 0, 0, Last };
+  template <int N>
+  void Set(std::int16_t value)
   {
-    for (int n = 0; n < Size; ++n)
-    {
-      const std::uint64_t four = n < 4 ? low : high;
-      this->Values[static_cast<std::size_t>(n)] = static_cast<std::int16_t>(four >> (16 * (n % 4)));
-    }
+    this->Values[N] = value;
   }
 #endif
 };
@@ -189,28 +191,60 @@ struct LogisticMixer
   }
 };
 
-/// Codes a bit by mixing `Count` adaptive probabilities (at most 7) and a constant.
-template <int Count, typename Coder>
-inline bool CodeMixed(Coder& coder, AdaptiveBit* const* models, LogisticMixer& mixer, bool bit,
-  std::uint32_t limit, int rate)
+#if defined(__GNUC__)
+/// Does AdaptiveBit::Update for each of `Count` (at most 8) different models.
+template <std::size_t Count>
+inline void UpdateAll(AdaptiveBit* const* models, bool bit, std::uint32_t limit)
 {
-  static_assert(Count < LogisticMixer::Size, "one input is constant");
-  // Assembled in registers: one load of what several stores just wrote would stall.
-  std::uint64_t halves[2] = { 0, std::uint64_t{ 256 } << 48 };
-  for (int n = 0; n < Count; ++n)
+  constexpr std::size_t lanes = 8;
+  static_assert(Count <= lanes, "one lane a model");
+  using Unsigned = std::uint32_t __attribute__((vector_size(4 * lanes)));
+  using Signed = std::int32_t __attribute__((vector_size(4 * lanes)));
+  using Floats = float __attribute__((vector_size(4 * lanes)));
+  Unsigned states{};
+  for (std::size_t n = 0; n < Count; ++n)
   {
-    halves[n / 4] |=
-      std::uint64_t{ static_cast<std::uint16_t>(Tables.Stretch[models[n]->State >> 20]) }
-      << (16 * (n % 4));
+    states[n] = models[n]->State;
   }
-  const MixerInputs inputs(halves[0], halves[1]);
-  const std::uint32_t probability = mixer.Mix(inputs);
-  bit = coder.CodeBit(bit, probability);
-  mixer.Update(inputs, probability, bit, rate);
-  for (int n = 0; n < Count; ++n)
+  const Unsigned counts = states & 1023;
+  // Tables.Rates: rounded down, this division is as exact.
+  const Floats divisors = __builtin_convertvector(counts, Floats) * 10.0f + 16.0f;
+  const auto rates = __builtin_convertvector(655360.0f / divisors, Signed);
+  // The product with the rate has up to 38 bits.
+  const Signed steps = (bit ? (1 << 22) - 1 : 0) - reinterpret_cast<Signed>(states >> 10);
+  const Signed high = (steps >> 16) * rates;
+  const Unsigned low =
+    (reinterpret_cast<Unsigned>(steps) & 0xffff) * reinterpret_cast<Unsigned>(rates) >> 16;
+  states += (reinterpret_cast<Unsigned>(high) + low) << 10;
+  states -= reinterpret_cast<Unsigned>(counts < limit);
+  for (std::size_t n = 0; n < Count; ++n)
+  {
+    models[n]->State = states[n];
+  }
+}
+#else
+template <std::size_t Count>
+inline void UpdateAll(AdaptiveBit* const* models, bool bit, std::uint32_t limit)
+{
+  for (std::size_t n = 0; n < Count; ++n)
   {
     models[n]->Update(bit, limit);
   }
+}
+#endif
+
+/// Codes a bit by mixing adaptive probabilities (at most 7), all different, and a constant.
+template <typename Coder, std::size_t... N>
+inline bool CodeMixed(Coder& coder, AdaptiveBit* const* models, std::index_sequence<N...>,
+  LogisticMixer& mixer, bool bit, std::uint32_t limit, int rate)
+{
+  static_assert(sizeof...(N) < LogisticMixer::Size, "one input is constant");
+  MixerInputs inputs;
+  (inputs.Set<N>(Tables.Stretch[models[N]->State >> 20]), ...);
+  const std::uint32_t probability = mixer.Mix(inputs);
+  bit = coder.CodeBit(bit, probability);
+  mixer.Update(inputs, probability, bit, rate);
+  UpdateAll<sizeof...(N)>(models, bit, limit);
   return bit;
 }
 

@@ -4,21 +4,19 @@
 namespace isosurface
 {
 
-void RangeEncoder::Carry()
+void RangeEncoder::Carry(std::vector<std::uint8_t>& bytes, std::size_t first)
 {
-  for (std::size_t n = this->Bytes.size(); n > this->First && ++this->Bytes[--n] == 0;)
+  for (std::size_t n = bytes.size(); n > first && ++bytes[--n] == 0;)
   {
   }
 }
 
-void RangeEncoder::WriteWord()
+void RangeEncoder::AppendWord(std::vector<std::uint8_t>& bytes, std::uint32_t word)
 {
-  const std::uint8_t word[4] = { static_cast<std::uint8_t>(this->Low >> 56),
-    static_cast<std::uint8_t>(this->Low >> 48), static_cast<std::uint8_t>(this->Low >> 40),
-    static_cast<std::uint8_t>(this->Low >> 32) };
-  this->Bytes.insert(this->Bytes.end(), word, word + 4);
-  this->Low <<= 32;
-  this->Range <<= 32;
+  const std::uint8_t parts[4] = { static_cast<std::uint8_t>(word >> 24),
+    static_cast<std::uint8_t>(word >> 16), static_cast<std::uint8_t>(word >> 8),
+    static_cast<std::uint8_t>(word) };
+  bytes.insert(bytes.end(), parts, parts + 4);
 }
 
 void RangeEncoder::Finish()
@@ -33,7 +31,7 @@ void RangeEncoder::Finish()
       this->Advance(step);
       for (int n = 0; n < size; ++n)
       {
-        this->Bytes.push_back(static_cast<std::uint8_t>(this->Low >> (56 - 8 * n)));
+        this->Bytes->push_back(static_cast<std::uint8_t>(this->Low >> (56 - 8 * n)));
       }
       return;
     }

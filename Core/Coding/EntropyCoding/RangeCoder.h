@@ -25,6 +25,17 @@ inline std::uint64_t GetShare(const std::int16_t* cumulative, int symbol)
   return static_cast<std::uint64_t>(above - cumulative[symbol]);
 }
 
+/// All bits set, or none. The compiler does not see where they come from: of a decision that is coded,
+/// it would make a branch, and the processor would guess it wrong as often as not.
+inline std::uint64_t SpreadBit(bool bit)
+{
+  std::uint64_t mask = 0 - static_cast<std::uint64_t>(bit);
+#if defined(__GNUC__)
+  asm("" : "+r"(mask));
+#endif
+  return mask;
+}
+
 /// The last symbol whose cumulative share is not above `share`.
 inline int FindSymbol(const std::int16_t* cumulative, std::int16_t share)
 {
@@ -56,6 +67,9 @@ inline int FindSymbol(const std::int16_t* cumulative, std::int16_t share)
  * function returns what was coded; the decoder ignores its first argument. All arithmetic is of
  * integers, so that every machine gets the same bytes. What is rarely needed is not inline: the
  * coders compile the rest into each of their loops.
+ *
+ * A coder is a few numbers, which a loop copies, and back at its end: the copy stays in registers, since
+ * nothing that is called gets its address.
  */
 class RangeEncoder
 {
@@ -64,7 +78,7 @@ public:
 
   /// Appends to `bytes`, which must outlive the encoder.
   explicit RangeEncoder(std::vector<std::uint8_t>& bytes)
-    : Bytes(bytes)
+    : Bytes(&bytes)
     , First(bytes.size())
   {
   }
@@ -73,15 +87,9 @@ public:
   bool CodeBit(bool bit, std::uint32_t one)
   {
     const std::uint64_t bound = (this->Range >> ProbabilityBits) * one;
-    if (bit)
-    {
-      this->Range = bound;
-    }
-    else
-    {
-      this->Advance(bound);
-      this->Range -= bound;
-    }
+    const std::uint64_t mask = SpreadBit(bit);
+    this->Advance(bound & ~mask);
+    this->Range = (bound & mask) | ((this->Range - bound) & ~mask);
     this->Normalize();
     return bit;
   }
@@ -115,20 +123,22 @@ private:
     this->Low += step;
     if (this->Low < step)
     {
-      this->Carry();
+      Carry(*this->Bytes, this->First);
     }
   }
   void Normalize()
   {
     if (this->Range >> 32 == 0)
     {
-      this->WriteWord();
+      AppendWord(*this->Bytes, static_cast<std::uint32_t>(this->Low >> 32));
+      this->Low <<= 32;
+      this->Range <<= 32;
     }
   }
-  void Carry();
-  void WriteWord();
+  static void Carry(std::vector<std::uint8_t>& bytes, std::size_t first);
+  static void AppendWord(std::vector<std::uint8_t>& bytes, std::uint32_t word);
 
-  std::vector<std::uint8_t>& Bytes;
+  std::vector<std::uint8_t>* Bytes;
   std::size_t First;
   std::uint64_t Low = 0;
   std::uint64_t Range = ~std::uint64_t(0);
@@ -153,11 +163,11 @@ public:
   bool CodeBit(bool, std::uint32_t one)
   {
     const std::uint64_t bound = (this->Range >> ProbabilityBits) * one;
-    const bool bit = this->Code < bound;
-    this->Code -= bit ? 0 : bound;
-    this->Range = bit ? bound : this->Range - bound;
+    const std::uint64_t mask = SpreadBit(this->Code < bound);
+    this->Code -= bound & ~mask;
+    this->Range = (bound & mask) | ((this->Range - bound) & ~mask);
     this->Normalize();
-    return bit;
+    return (mask & 1) != 0;
   }
 
   std::uint32_t CodeUniform(std::uint32_t, int bits)
@@ -195,7 +205,10 @@ private:
   {
     if (this->End - this->Next < 4)
     {
-      return this->ReadLastWord();
+      RangeDecoder copy = *this;
+      const std::uint32_t word = copy.ReadLastWord();
+      *this = copy;
+      return word;
     }
     const std::uint8_t* bytes = this->Next;
     this->Next += 4;

@@ -123,6 +123,32 @@ TEST(RangeCoder, CodesInAboutTheEntropy)
   EXPECT_NEAR(static_cast<double>(bytes.size()), entropy, 0.02 * entropy);
 }
 
+TEST(AdaptiveBit, ManyLearnTogetherAsEachAlone)
+{
+  std::mt19937 random(11);
+  for (std::uint32_t count = 0; count < 1024; ++count)
+  {
+    for (const bool bit : { false, true })
+    {
+      std::array<AdaptiveBit, 6> together;
+      std::array<AdaptiveBit*, 6> models{};
+      for (std::size_t n = 0; n < together.size(); ++n)
+      {
+        const std::uint32_t probability = n == 0 ? 0 : n == 1 ? (1u << 22) - 1 : random() >> 10;
+        together[n].State = probability << 10 | count;
+        models[n] = &together[n];
+      }
+      std::array<AdaptiveBit, 6> alone = together;
+      UpdateAll<6>(models.data(), bit, 800);
+      for (std::size_t n = 0; n < together.size(); ++n)
+      {
+        alone[n].Update(bit, 800);
+        ASSERT_EQ(together[n].State, alone[n].State) << "count " << count;
+      }
+    }
+  }
+}
+
 TEST(RangeCoder, AnyBytesDecodeAndExhaustionIsFound)
 {
   const std::vector<Decision> decisions = MakeDecisions(5);
