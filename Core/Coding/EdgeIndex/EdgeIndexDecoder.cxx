@@ -180,10 +180,16 @@ private:
       std::fill(row, row + this->Size[0], sides[none ? 0 : 1]);
       return;
     }
-    for (int x = 0; x < this->Size[0]; ++x)
+    // Run by run of equal signs.
+    int begin = 0;
+    const auto fill = [&](int end)
     {
-      row[x] = sides[signs.Get(x) ? 1 : 0];
-    }
+      std::fill(row + begin, row + end, sides[signs.Get(begin) ? 1 : 0]);
+      begin = end;
+    };
+    const SignRow starts = (signs ^ signs.ShiftUp()) & mask & ~SignRow::MakeMask(1);
+    VisitBits(starts, fill);
+    fill(this->Size[0]);
   }
 
   double Isovalue;

@@ -282,7 +282,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t BlocksPerThread = 16;
+  static constexpr std::size_t BlocksPerThread = 64;
 
   Status EncodeBatch(std::size_t first, std::size_t size, const Progress& progress)
   {

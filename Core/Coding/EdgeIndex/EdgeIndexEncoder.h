@@ -57,7 +57,7 @@ private:
  * for any number of threads. An error that `take` returns ends the encoding.
  *
  * Errors: InvalidArgument, what Acquire or `take` returns, OutOfMemory, Aborted. Memory for each
- * thread: an encoder, and the records of 16 blocks.
+ * thread: an encoder, and the records of 64 blocks.
  */
 Status EncodeBlocks(const EdgeIndexHeader& header, BlockSource& source, int threads,
   const std::function<Status(const std::vector<std::uint8_t>& records)>& take,

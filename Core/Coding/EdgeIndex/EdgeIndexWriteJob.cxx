@@ -16,7 +16,7 @@ namespace isosurface
 namespace
 {
 
-constexpr std::size_t BlocksPerThread = 16;
+constexpr std::size_t BlocksPerThread = 64;
 constexpr std::size_t MaximumOutputBytes = std::size_t{ 4 } << 20;
 constexpr std::int64_t EndOfNumbers = std::numeric_limits<std::int64_t>::max();
 

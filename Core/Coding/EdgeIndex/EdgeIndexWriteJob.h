@@ -39,7 +39,7 @@ struct EdgeIndexFileSummary
  * any rank fails, an older file stays. Rank 0 keeps the partial file locked: a second job to the same
  * path fails at once.
  *
- * Memory of a rank: MemoryBytes of records, plus those of 16 blocks, an encoder and a block for each
+ * Memory of a rank: MemoryBytes of records, plus those of 64 blocks, an encoder and a block for each
  * thread; on rank 0 about 100 bytes for each record. A rank with full memory waits for the others.
  */
 class EdgeIndexWriteJob

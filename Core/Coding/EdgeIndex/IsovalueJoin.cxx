@@ -31,12 +31,14 @@ bool HasAllPoints(const Surface& surface)
 {
   const auto areBelow = [points = surface.NumberOfPoints](const auto& values)
   {
-    std::size_t beyond = 0; // counted, so that the compiler vectorises the loop
+    using Id = std::make_unsigned_t<std::decay_t<decltype(values[0])>>;
+    const auto last = static_cast<Id>(points - 1);
+    Id beyond = 0; // The highest bit: of an id below 0, or of what is left above it.
     for (const auto value : values)
     {
-      beyond += static_cast<std::uint64_t>(value) >= points ? 1 : 0;
+      beyond |= static_cast<Id>(value) | (last - static_cast<Id>(value));
     }
-    return beyond == 0;
+    return beyond >> (8 * sizeof(Id) - 1) == 0;
   };
   return surface.Connectivity.Is64Bit ? areBelow(surface.Connectivity.Values64)
                                       : areBelow(surface.Connectivity.Values32);

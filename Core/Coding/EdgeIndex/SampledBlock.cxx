@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/EdgeIndex/SampledBlock.h"
 
+#include "Coding/BlockCoding/NewestInstructions.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Surface/Contour/InsideRows.h"
 
@@ -120,16 +121,16 @@ void SampledBlock::VisitCrossings(const Functor& functor) const
 std::uint64_t SampledBlock::CountPoints() const
 {
   std::uint64_t points = 0;
-  this->VisitCrossedRows(
-    [&points](int, int, const SignRow(&edges)[3])
+  const auto add = [&points](int, int, const SignRow(&edges)[3])
+  {
+    for (const SignRow& row : edges)
     {
-      for (const SignRow& row : edges)
-      {
-        points += static_cast<std::uint64_t>(
-          __builtin_popcountll(row.Words[0]) + __builtin_popcountll(row.Words[1]));
-      }
-      return true;
-    });
+      points += static_cast<std::uint64_t>(
+        __builtin_popcountll(row.Words[0]) + __builtin_popcountll(row.Words[1]));
+    }
+    return true;
+  };
+  CallWith(CoderInstructions::Newest, [&] { this->VisitCrossedRows(add); });
   return points;
 }
 
