@@ -8,6 +8,7 @@
 #include "Surface/Contour/PointRestriction.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 
 namespace isosurface
@@ -90,7 +91,7 @@ void QueuedScan::DropWhatOthersOwn(const BrickLattice& lattice, int threads)
 {
   BrickScan::Parts& all = this->Scan.GetAllParts();
   const std::size_t bricks = lattice.GetBricks().size();
-  std::vector<RestrictionMemory> memories(static_cast<std::size_t>(std::max(1, threads)));
+  std::vector<std::vector<std::uint32_t>> dropped(static_cast<std::size_t>(std::max(1, threads)));
   ParallelFor(bricks, threads,
     [&](std::size_t number, int thread)
     {
@@ -108,7 +109,7 @@ void QueuedScan::DropWhatOthersOwn(const BrickLattice& lattice, int threads)
         if (all.OfBricks[part].Inside)
         {
           RestrictPoints(brick.Vertices, before, after, this->Request.Attributes,
-            all.OfBricks[part], memories[static_cast<std::size_t>(thread)]);
+            all.OfBricks[part], dropped[static_cast<std::size_t>(thread)]);
         }
       }
     });

@@ -226,7 +226,7 @@ void SurfaceAssembler::DropPoints(const BrickPart& part) const
     {
       continue;
     }
-    MovePoint(part, this->Request.Attributes, from, to++);
+    MovePoints(part, this->Request.Attributes, from, to++, 1);
   }
 }
 
