@@ -31,7 +31,12 @@ void BlockCounts::Add(const PendingBlock& block, const std::vector<SampleView>& 
   Counters& counters = this->Threads[static_cast<std::size_t>(thread)];
   for (std::size_t variable = 0; variable < this->Variables.GetCount(); ++variable)
   {
-    if (variable < views.size())
+    // The record is in the processor's cache, in one piece; the slab's rows are far apart.
+    if (const auto view = this->ViewRecord(block, variable))
+    {
+      this->AddVariable(block, variable, *view, counters);
+    }
+    else if (variable < views.size())
     {
       this->AddVariable(block, variable, views[variable], counters);
     }
@@ -49,6 +54,25 @@ void BlockCounts::AddVariable(
   this->Ranges[variable][static_cast<std::size_t>(block.Block)] = range.All;
   counters.FiniteRanges[variable].Add(range.Finite);
   this->Spectra.Add(block.Store, variable, counters.Spectrum.Count(samples, range));
+}
+
+std::optional<SampleView> BlockCounts::ViewRecord(
+  const PendingBlock& block, std::size_t variable) const
+{
+  const Variable& wanted = this->Variables[variable];
+  if (wanted.IsMagnitude() || this->Grid.GetNumberOfLevels() > 1)
+  {
+    return std::nullopt;
+  }
+  const std::uint64_t offset = block.Layout.Offsets[variable] + BlockRecord::SegmentHeaderSize;
+  if (offset % GetValueSize(wanted.Type) != 0)
+  {
+    return std::nullopt;
+  }
+  SampleView view = MakeSampleView(
+    wanted.Type, this->Grid.GetGhostedVertices(block.Block, 0), block.Record.GetData() + offset);
+  view.Box = this->Grid.GetVertices(block.Block);
+  return view;
 }
 
 /// The samples of a filled block at full resolution.

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -28,8 +29,9 @@ public:
   /// blocks.
   BlockCounts(const BlockedVolumeHeader& header, std::size_t rank, std::size_t ranks, int threads);
 
-  /// Adds a filled block. `views`: the samples of its first variables; others are assembled from
-  /// its record. Each thread has its own number; a block is added once.
+  /// Adds a filled block. `views`: the samples of its first variables, where its record has them in
+  /// several levels; others are assembled from that. Each thread has its own number; a block is added
+  /// once.
   void Add(const PendingBlock& block, const std::vector<SampleView>& views, int thread);
   /// Adds the finite values of blocks that another run counted, per variable.
   void AddFiniteRanges(const std::vector<KeyRange>& ranges);
@@ -53,6 +55,8 @@ private:
 
   void AddVariable(
     const PendingBlock& block, std::size_t variable, const SampleView& samples, Counters& counters);
+  /// The samples of a stored variable in the record of a block, if these are all in one place there.
+  std::optional<SampleView> ViewRecord(const PendingBlock& block, std::size_t variable) const;
   std::shared_ptr<DecodedBlock> AssembleVariable(
     const PendingBlock& block, std::size_t variable) const;
 

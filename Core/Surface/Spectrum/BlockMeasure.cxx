@@ -63,22 +63,30 @@ private:
   float SmallFirst;
 };
 
-/// Loads the vertices of `cells` cells along x, `stride` samples apart.
+/// Loads the four lines of vertices around a row of cells, whose vertices are `stride` samples apart.
 template <typename T>
-ISOSURFACE_CLONES void LoadCells(const BinCoordinate<T>& coordinate, const T* __restrict from,
-  std::ptrdiff_t stride, std::int64_t cells, float* __restrict row)
+ISOSURFACE_CLONES void LoadCells(const BinCoordinate<T>& coordinate,
+  const std::array<const T*, 4>& from, std::ptrdiff_t stride, std::int64_t cells,
+  const std::array<float*, 4>& to)
 {
-  if (stride == 1)
+  constexpr std::int64_t usual = 16;
+  for (std::size_t line = 0; line < from.size(); ++line)
   {
+    const T* __restrict samples = from[line];
+    float* __restrict row = to[line];
+    if (stride == 1 && cells == usual)
+    {
+      for (std::int64_t i = 0; i < usual; ++i)
+      {
+        row[i] = coordinate(samples[i]);
+      }
+      row[usual] = coordinate(samples[usual]);
+      continue;
+    }
     for (std::int64_t i = 0; i <= cells; ++i)
     {
-      row[i] = coordinate(from[i]);
+      row[i] = coordinate(samples[i * stride]);
     }
-    return;
-  }
-  for (std::int64_t i = 0; i <= cells; ++i)
-  {
-    row[i] = coordinate(from[i * stride]);
   }
 }
 
@@ -184,8 +192,6 @@ BlockMeasure::BlockMeasure(
   , RowsOfCells(grid.Geometry.GetDimensions()[1] - 1)
   , RowStride(rowStride)
   , Sums(bins)
-  , MinimumBin(bins.Count)
-  , MaximumBin(0)
 {
   const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid.Geometry));
   this->Weights = MakeWeights(faces, *std::max_element(faces.begin(), faces.end()));
@@ -195,8 +201,6 @@ void BlockMeasure::SetBins(const SpectrumBins& bins)
 {
   this->Bins = bins;
   this->Sums.Changes.resize(std::max(this->Sums.Changes.size(), bins.Count + std::size_t{ 1 }));
-  this->MinimumBin = bins.Count;
-  this->MaximumBin = 0;
 }
 
 double BlockMeasure::GetLength(std::size_t axis, std::int64_t cell, std::int64_t cells) const
@@ -231,6 +235,7 @@ void BlockMeasure::Count(const SampleView& samples)
 template <typename T>
 void BlockMeasure::CountCells(const SampleView& samples)
 {
+  const BinCoordinate<T> coordinate(this->Bins);
   const VertexBox& box = samples.Box;
   const std::int64_t last = box.High[1] - 1;
   // If the grid's last group is incomplete, all of its rows are measured.
@@ -248,12 +253,12 @@ void BlockMeasure::CountCells(const SampleView& samples)
         if (j >= box.Low[1] && j < last)
         {
           const std::int64_t first = group * this->RowStride;
-          this->CountRow<T>(samples, begin, end, { j, k, first, this->RowStride });
+          this->CountRow<T>(samples, coordinate, begin, end, { j, k, first, this->RowStride });
         }
       }
       for (std::int64_t j = std::max(box.Low[1], grouped); j < last; ++j)
       {
-        this->CountRow<T>(samples, begin, end, { j, k, j, 1 });
+        this->CountRow<T>(samples, coordinate, begin, end, { j, k, j, 1 });
       }
     }
   }
@@ -261,20 +266,19 @@ void BlockMeasure::CountCells(const SampleView& samples)
 }
 
 /// Counts the cells [begin, end) of a row, at most CellsAtOnce.
-template <typename T>
-void BlockMeasure::CountRow(
-  const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& row)
+template <typename T, typename Coordinate>
+void BlockMeasure::CountRow(const SampleView& samples, const Coordinate& coordinate,
+  std::int64_t begin, std::int64_t end, const RowPlace& row)
 {
-  const BinCoordinate<T> coordinate(this->Bins);
   const auto load =
     [&](std::int64_t first, std::int64_t cells, std::array<CellRow, 4>& rows, std::int64_t place)
   {
-    for (std::size_t line = 0; line < rows.size(); ++line)
-    {
-      const auto up = static_cast<std::int64_t>(line);
-      LoadCells(coordinate, samples.At<T>({ first, row.J + up % 2, row.K + up / 2 }),
-        samples.Stride[0], cells, rows[line].data() + place);
-    }
+    const T* const corner = samples.At<T>({ first, row.J, row.K });
+    const T* const above = corner + samples.Stride[2];
+    const std::array<float*, 4> to = { rows[0].data() + place, rows[1].data() + place,
+      rows[2].data() + place, rows[3].data() + place };
+    LoadCells(coordinate, { corner, corner + samples.Stride[1], above, above + samples.Stride[1] },
+      samples.Stride[0], cells, to);
   };
   PendingRuns& pending = this->Pending;
   if (!this->Grid.Lines)
@@ -370,11 +374,6 @@ void BlockMeasure::AddCell(
   std::int32_t from, std::int32_t to, const MeasureSums::Change& change, std::uint64_t one)
 {
   MeasureSums::Change* changes = this->Sums.Changes.data();
-  const auto bins = static_cast<std::int32_t>(this->Bins.Count);
-  from = std::min(from, bins);
-  to = std::min(to, bins);
-  this->MinimumBin = std::min(this->MinimumBin, static_cast<std::size_t>(from));
-  this->MaximumBin = std::max(this->MaximumBin, static_cast<std::size_t>(to));
   if (from == to)
   {
     changes[from].Constant -= one;
@@ -392,20 +391,16 @@ void BlockMeasure::AddCell(
 void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t one)
 {
   MeasureSums::Change* changes = this->Sums.Changes.data();
-  std::int32_t minimum = std::numeric_limits<std::int32_t>::max();
-  std::int32_t maximum = 0;
   std::uint64_t whole = 0;
   for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells); ++cell)
   {
-    const std::int32_t from = std::min<std::int32_t>(run.From[cell], this->Bins.Count);
-    const std::int32_t to = std::min<std::int32_t>(run.To[cell], this->Bins.Count);
+    const std::int32_t from = run.From[cell];
+    const std::int32_t to = run.To[cell];
     if (to == 0)
     {
       continue;
     }
     whole += one;
-    minimum = std::min(minimum, from);
-    maximum = std::max(maximum, to);
     if (from == to)
     {
       changes[from].Constant -= one;
@@ -423,8 +418,6 @@ void BlockMeasure::AddRun(const CellRun& run, std::int64_t cells, std::uint64_t 
     changes[to].Slope -= slope;
   }
   changes[0].Constant += whole;
-  this->MinimumBin = std::min(this->MinimumBin, static_cast<std::size_t>(minimum));
-  this->MaximumBin = std::max(this->MaximumBin, static_cast<std::size_t>(maximum));
 }
 
 void BlockMeasure::CountUniform(ValueType type, ValueKey key, const VertexBox& box)
@@ -450,8 +443,6 @@ void BlockMeasure::CountUniform(ValueType type, ValueKey key, const VertexBox& b
   const std::uint64_t volume = this->GetVolume(box);
   this->Sums.Changes[0].Constant += volume;
   this->Sums.Changes[bin].Constant -= volume;
-  this->MinimumBin = std::min(this->MinimumBin, bin);
-  this->MaximumBin = std::max(this->MaximumBin, bin);
 }
 
 /// The volume of the cells of a box, each rounded by itself, so that it does not depend on how the
@@ -481,15 +472,10 @@ std::uint64_t BlockMeasure::GetVolume(const VertexBox& box) const
 
 void BlockMeasure::MoveTo(MeasureSums& sums)
 {
-  const auto move = [&](std::size_t bin)
-  { sums.Changes[bin] += std::exchange(this->Sums.Changes[bin], {}); };
-  move(0);
-  for (std::size_t bin = std::max<std::size_t>(1, this->MinimumBin); bin <= this->MaximumBin; ++bin)
+  for (std::size_t bin = 0; bin <= this->Bins.Count; ++bin)
   {
-    move(bin);
+    sums.Changes[bin] += std::exchange(this->Sums.Changes[bin], {});
   }
-  this->MinimumBin = this->Bins.Count;
-  this->MaximumBin = 0;
 }
 
 } // namespace isosurface

@@ -167,9 +167,10 @@ private:
 
   template <typename T>
   void CountCells(const SampleView& samples);
-  template <typename T>
-  void CountRow(
-    const SampleView& samples, std::int64_t begin, std::int64_t end, const RowPlace& row);
+  /// `coordinate`: converts values of type T to bins.
+  template <typename T, typename Coordinate>
+  void CountRow(const SampleView& samples, const Coordinate& coordinate, std::int64_t begin,
+    std::int64_t end, const RowPlace& row);
   std::int64_t ChooseRow(std::int64_t run, std::int64_t group, std::int64_t k) const;
   /// Measures the pending runs, and adds them to the sums.
   void CountPending();
@@ -190,8 +191,6 @@ private:
   MeasureWeights Weights;
   PendingRuns Pending;
   MeasureSums Sums;
-  std::size_t MinimumBin; ///< of the changes since the last MoveTo()
-  std::size_t MaximumBin;
 };
 
 } // namespace isosurface

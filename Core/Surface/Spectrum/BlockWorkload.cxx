@@ -4,6 +4,7 @@
 #include "Ground/Base/ProcessorClones.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -15,9 +16,12 @@ namespace isosurface
 namespace
 {
 
-constexpr std::int64_t PackedCell = std::int64_t{ 1 } << 32;
-/// So many packed sums do not overflow: a vertex changes less than 128 triangles.
-constexpr std::size_t MaximumPackedVertices = std::size_t{ 1 } << 24;
+/// A change of active cells and triangles in one number: cells times this, and triangles. The cells
+/// around a vertex are 8, so that a change fits 32 bits.
+constexpr int PackedCellBits = 27;
+constexpr std::int32_t PackedCell = std::int32_t{ 1 } << PackedCellBits;
+/// The triangles of so many changes are less than half of PackedCell: a vertex changes at most 48.
+constexpr std::size_t MaximumPackedVertices = std::size_t{ 1 } << 20;
 
 /// Counts the edges <= a value of at most 16 bits, in 32 bits and without a branch, so that loops
 /// can be vectorised.
@@ -76,6 +80,19 @@ ISOSURFACE_CLONES void FindLimits(
   }
   *minimum = low;
   *maximum = high;
+}
+
+/// Packs changes of vertices, in which a cell counts VertexChanges::ActiveCellUnit.
+ISOSURFACE_CLONES void PackChanges(
+  const std::int16_t* __restrict__ changes, std::size_t count, std::int32_t* __restrict__ packed)
+{
+  constexpr int unit = VertexChanges::ActiveCellUnit; // 2^8
+  for (std::size_t index = 0; index < count; ++index)
+  {
+    // The triangles fill less than half a unit.
+    const int cells = (changes[index] + unit / 2) >> 8;
+    packed[index] = changes[index] + cells * (PackedCell - unit);
+  }
 }
 
 /// Counts the edges <= a value. The edges are First, First + 1, ... First + Count - 1 times the
@@ -245,51 +262,48 @@ void BlockWorkload::Count(const SampleView& samples)
 
 void BlockWorkload::AddChanges(std::size_t begin, std::size_t end)
 {
-  const std::int16_t* values = this->Vertices.GetValues();
-  const std::int16_t* changes = this->Vertices.GetChanges();
-  const auto add = [&](std::size_t vertex)
+  // Neighbours often have the same value: they use different sums, so that one addition need not
+  // wait for the other.
+  std::int64_t* const even = this->PackedChanges.data();
+  std::int64_t* const odd = even + this->PackedChanges.size() / PackedSums;
+  std::array<std::int32_t, 1024> packed; // in the processor's first cache
+  for (; begin < end; begin += packed.size())
   {
-    // The triangles fill less than half a unit.
-    constexpr int unit = VertexChanges::ActiveCellUnit; // 2^8
-    const int change = changes[vertex];
-    const int cells = (change + unit / 2) >> 8;
-    const int triangles = change - cells * unit;
-    // Neighbours often have the same value: they use different sums, so that one addition need not
-    // wait for the other.
-    const std::size_t sum =
-      static_cast<std::size_t>(values[vertex]) * PackedSums + vertex % PackedSums;
-    this->PackedChanges[sum] += triangles + cells * PackedCell;
-  };
-  // Skips zeros several at a time: most changes are 0 where values are smooth.
-  constexpr std::size_t atOnce = sizeof(std::uint64_t) / sizeof(std::int16_t);
-  std::size_t vertex = begin;
-  for (; vertex + atOnce <= end; vertex += atOnce)
-  {
-    std::uint64_t some = 0;
-    std::memcpy(&some, changes + vertex, sizeof(some));
-    for (std::size_t next = 0; some != 0 && next < atOnce; ++next)
+    const std::int16_t* const values = this->Vertices.GetValues() + begin;
+    const std::int16_t* const changes = this->Vertices.GetChanges() + begin;
+    const std::size_t count = std::min(packed.size(), end - begin);
+    PackChanges(changes, count, packed.data());
+    // Skips zeros four at a time: most changes are 0 where values are smooth.
+    std::size_t vertex = 0;
+    for (; vertex + 4 <= count; vertex += 4)
     {
-      add(vertex + next);
+      std::uint64_t some = 0;
+      std::memcpy(&some, changes + vertex, sizeof(some));
+      if (some != 0)
+      {
+        even[values[vertex]] += packed[vertex];
+        odd[values[vertex + 1]] += packed[vertex + 1];
+        even[values[vertex + 2]] += packed[vertex + 2];
+        odd[values[vertex + 3]] += packed[vertex + 3];
+      }
     }
-  }
-  for (; vertex < end; ++vertex)
-  {
-    add(vertex);
+    for (; vertex < count; ++vertex)
+    {
+      even[values[vertex]] += packed[vertex];
+    }
   }
 }
 
 void BlockWorkload::Unpack()
 {
-  for (std::size_t count = this->MinimumValue; count <= this->MaximumValue; ++count)
+  std::int64_t* const even = this->PackedChanges.data();
+  std::int64_t* const odd = even + this->PackedChanges.size() / PackedSums;
+  for (std::size_t value = this->MinimumValue; value <= this->MaximumValue; ++value)
   {
-    std::int64_t packed = 0;
-    for (std::size_t sum = count * PackedSums; sum < (count + 1) * PackedSums; ++sum)
-    {
-      packed += std::exchange(this->PackedChanges[sum], 0);
-    }
-    const std::int64_t cells = (packed + PackedCell / 2) >> 32;
-    this->Changes[count].Triangles += packed - cells * PackedCell;
-    this->Changes[count].Cells += cells;
+    const std::int64_t packed = std::exchange(even[value], 0) + std::exchange(odd[value], 0);
+    const std::int64_t cells = (packed + PackedCell / 2) >> PackedCellBits;
+    this->Changes[value].Triangles += packed - cells * PackedCell;
+    this->Changes[value].Cells += cells;
   }
   this->PackedVertices = 0;
 }

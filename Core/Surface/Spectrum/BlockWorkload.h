@@ -23,7 +23,7 @@ namespace isosurface
  * off-the-shelf clusters", 2009, section 4.1.1, after C. Bajaj, V. Pascucci, D. Schikore, "The
  * contour spectrum", 1997.
  *
- * Cost: 2 ns a cell where values are smooth, 4 in noise (vectors of 32 bytes). Memory: 4 bytes a
+ * Cost: 2 ns a cell where values are smooth, 3 in noise (vectors of 32 bytes). Memory: 4 bytes a
  * vertex of the largest box, and 32 a bin. For one thread at a time.
  */
 class BlockWorkload
@@ -54,8 +54,8 @@ private:
   SpectrumBins Bins;
   VertexChanges Vertices;      ///< the value of a vertex is the number of bin edges <= its sample
   std::vector<Change> Changes; ///< by value
-  /// The latest changes, PackedSums sums for each value: triangles + cells * 2^32. Unpacked before
-  /// the triangles could overflow.
+  /// The latest changes, PackedSums sums for each value, one number of bins after the other.
+  /// Unpacked before the triangles in one could overflow.
   static constexpr std::size_t PackedSums = 2;
   std::vector<std::int64_t> PackedChanges;
   std::size_t PackedVertices = 0;

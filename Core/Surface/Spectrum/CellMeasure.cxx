@@ -44,6 +44,7 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
   std::int32_t *from = pointers.From, *to = pointers.To, *area = pointers.Area,
                *first = pointers.First, *slope = pointers.Slope;
   const MeasureWeights weight = weights;
+  const auto lastBin = static_cast<std::int32_t>(bins);
 #if !defined(__clang__)
 #  pragma GCC ivdep
 #endif
@@ -82,8 +83,8 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
     const std::int32_t endBin = static_cast<std::int32_t>(end) + 1;
     const float rest = (end - static_cast<float>(beginBin)) * steepness;
     const float density = std::sqrt(isFinite ? gradient : 0) * steepness;
-    from[i] = isFinite ? beginBin : 0;
-    to[i] = isFinite ? endBin : 0;
+    from[i] = isFinite ? (beginBin < lastBin ? beginBin : lastBin) : 0;
+    to[i] = isFinite ? (endBin < lastBin ? endBin : lastBin) : 0;
     // Rounds numbers that are not negative; std::lround would keep the loop from being vectorised.
     // NOLINTBEGIN(bugprone-incorrect-roundings)
     area[i] = static_cast<std::int32_t>(Minimum(density, MaximumDensity) * one + 0.5f);

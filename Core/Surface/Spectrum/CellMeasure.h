@@ -26,7 +26,8 @@ struct RowPointers
 };
 
 /**
- * Measures a row of cells. From and To are 0 for a cell with a sample that is not finite.
+ * Measures a row of cells. From and To are at most `bins`, and 0 for a cell with a sample that is not
+ * finite.
  *
  * With u, v, w from -1/2 to 1/2, the trilinear interpolant of a cell is
  *   mean + gx u + gy v + gz w + hxy uv + hxz uw + hyz vw + k uvw,

@@ -4,6 +4,7 @@
 
 #include "Ground/Volume/BlockGrid.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -56,41 +57,55 @@ public:
   const Diagonal* GetDiagonals() const { return this->Diagonals.data(); }
 
 private:
-  /// Weights passed on to a slice of vertices. Each vector begins with a margin of zeros.
-  struct SliceWeights
+  using Numbers = std::vector<std::int16_t>;
+
+  /// By vertex of a slice: the minima of the edges along x and y and of the face whose low corner it
+  /// is; and the complements of their maxima, so that these are minima, too. Between two margins.
+  struct Extremes
   {
-    std::vector<std::int16_t> LowFace;  ///< for the minima of its faces
-    std::vector<std::int16_t> LowEdgeX; ///< for the minima of its edges along x
-    std::vector<std::int16_t> LowEdgeY;
-    std::vector<std::int16_t> HighFace; ///< for the maxima of its faces
+    Numbers LowEdgeX;
+    Numbers LowEdgeY;
+    Numbers LowFace;
+    Numbers HighEdgeX;
+    Numbers HighFace;
+
+    void Assign(std::size_t size, std::int16_t value);
   };
 
   // Sets what depends on the size of a slice alone: Cells, FacesXZ, FacesYZ and Corners.
   void FillUnits(std::size_t rows);
-  void VisitCells(std::size_t slice);
-  void FinishSlice(std::size_t slice);
-  void AddDiagonals();
+  void FindExtremes(std::size_t slice, Extremes& extremes) const;
+  void AddDiagonals(std::size_t slice);
+  void FinishSlice(
+    std::size_t slice, const Extremes& below, const Extremes& own, const Extremes& above);
 
   std::size_t Columns = 0;
   std::size_t SliceSize = 0;
   std::size_t Slices = 0;
-  std::size_t Margin = 0;           ///< a row and a vertex: the maximum offset of neighbours
-  std::vector<std::int16_t> Values; ///< between two margins
-  std::vector<std::int16_t> Changes;
+  std::size_t Margin = 0; ///< a row and a vertex: the maximum offset of neighbours
+  Numbers Values;         ///< between two margins
+  Numbers Changes;
   std::vector<Diagonal> Diagonals; ///< with room for one a vertex, once there are any
   std::size_t NumberOfDiagonals = 0;
 
   // By vertex of a slice; 0 if it is not the low corner of a cell or face.
-  std::vector<std::int16_t> Cells;   ///< all bits set if it is the low corner of a cell
-  std::vector<std::int16_t> FacesXZ; ///< the weight of the face between this slice and the next
-  std::vector<std::int16_t> FacesYZ;
-  std::vector<std::int16_t> Corners; ///< the number of cells around it in a slice of cells
+  Numbers Cells;   ///< all bits set if it is the low corner of a cell
+  Numbers FacesXZ; ///< the weight of the face between this slice and the next
+  Numbers FacesYZ;
+  Numbers Corners; ///< the number of cells around it in a slice of cells
 
-  SliceWeights Lower;
-  SliceWeights Upper;
-  std::vector<std::int16_t> LowEdge;  ///< weights for the minima of edges along x
-  std::vector<std::int16_t> HighEdge; ///< weights for their maxima
-  std::vector<Diagonal> Found;        ///< of each cell of a slice; two equal values if it has none
+  std::array<Extremes, 3> Nearby; ///< of a slice and the ones before and after it, in turn
+  Extremes Outside;               ///< of the slices before the first one and after the last one
+  /// Weights for minima of a slice, and for maxima. Those of faces and edges begin with a margin of
+  /// zeros.
+  Numbers LowFace;
+  Numbers HighFace;
+  Numbers LowEdgeX;
+  Numbers LowEdgeY;
+  Numbers HighEdgeX;
+  Numbers Third;                   ///< of each cell of a slice: the third value of its corners
+  Numbers Fall;                    ///< the third value less the second one; 0 without a diagonal
+  std::vector<std::uint8_t> Found; ///< 1 for a cell of a slice with a diagonal
 };
 
 } // namespace isosurface
