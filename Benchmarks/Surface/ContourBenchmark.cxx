@@ -8,7 +8,8 @@
  *   kernel   ExtractSurface alone (ranges known)
  *   filter   vtkStabbingContour with GlobalIds, the complete vtkPolyData, a new isovalue
  *   first    the first execution of the filter, which also computes the value ranges
- *   peers    vtkFlyingEdges3D, vtkSynchronizedTemplates3D, vtkContourFilter
+ *   peers    vtkFlyingEdges3D, vtkSynchronizedTemplates3D, vtkContourFilter; vtkmContour (Viskores)
+ *            with ParaView 6
  *   islands  the filter that measures all islands, or keeps the largest;
  *            vtkPolyDataConnectivityFilter alone, on the filter's surface
  */
@@ -29,6 +30,9 @@
 #include "vtkSynchronizedTemplates3D.h"
 #include "vtkUnsignedShortArray.h"
 #include "vtkXMLImageDataReader.h"
+#if ISOSURFACE_VISKORES
+#include "vtkmContour.h"
+#endif
 
 #include "ImageSamples.h"
 #include "Surface/Contour/BlockRanges.h"
@@ -211,6 +215,9 @@ void MeasureIsovalue(vtkImageData* image, const isosurface::GridGeometry& grid,
     MeasureIslands(kept, filter, options);
   }
   Print("vtkFlyingEdges3D", MeasurePeer<vtkFlyingEdges3D>(image, isovalue, options), filter);
+#if ISOSURFACE_VISKORES
+  Print("vtkmContour", MeasurePeer<vtkmContour>(image, isovalue, options), filter);
+#endif
   if (options.Slow)
   {
     Print("vtkSynchronizedTemplates3D",
