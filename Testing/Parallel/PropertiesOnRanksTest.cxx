@@ -102,6 +102,15 @@ std::vector<ContourProperty> MakeContourProperties()
     { "ComputeNormals", [](Contour* contour) { contour->ComputeNormalsOff(); } },
     { "ComputeScalars", [](Contour* contour) { contour->ComputeScalarsOff(); } },
     { "GenerateTriangles", [](Contour* contour) { contour->GenerateTrianglesOff(); } },
+    { "Isovalues", [](Contour* contour) { contour->SetValue(1, AgreedIsovalue + 9); } },
+    { "Level", [](Contour* contour) { contour->SetLevel(1); } },
+    { "TimeBudget", [](Contour* contour) { contour->SetTimeBudget(100); } },
+    { "MaximumTriangles", [](Contour* contour) { contour->SetMaximumTriangles(1000000); } },
+    { "Progressive", [](Contour* contour) { contour->ProgressiveOn(); } },
+    { "CloseBoundary", [](Contour* contour) { contour->CloseBoundaryOn(); } },
+    { "SkipNotANumber", [](Contour* contour) { contour->SkipNotANumberOn(); } },
+    { "DynamicBalance", [](Contour* contour) { contour->DynamicBalanceOn(); } },
+    { "UseRegion", [](Contour* contour) { contour->UseRegionOn(); } },
     { "DropDegenerateTriangles", [](Contour* contour) { contour->DropDegenerateTrianglesOn(); } },
     { "IslandSize", [](Contour* contour) { contour->SetIslandSize(Contour::AREA); } },
     { "MinimumIslandSize", [](Contour* contour) { contour->SetMinimumIslandSize(9); } },
@@ -118,6 +127,18 @@ std::vector<ContourProperty> MakeContourProperties()
 class ContourPropertiesOnRanks : public testing::TestWithParam<ContourProperty>
 {
 protected:
+  static void SetUpTestSuite()
+  {
+    Image = MakeTwoArrays();
+    Volume = std::make_unique<SharedVolume>(
+      "PropertiesOnRanks", Image, VolumeSettings{ 16, 3 }, PieceSource::EVERYWHERE);
+  }
+  static void TearDownTestSuite()
+  {
+    Volume.reset();
+    Image = nullptr;
+  }
+
   /// On one rank alone, then on all. Collective.
   static void ExpectErrorUntilAllHaveIt(vtkAlgorithm* source, vtkStabbingContour* contour)
   {
@@ -138,21 +159,21 @@ protected:
     contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     EXPECT_EQ(listener.Take(), std::vector<std::string>());
   }
+
+  inline static vtkSmartPointer<vtkImageData> Image;
+  inline static std::unique_ptr<SharedVolume> Volume;
 };
 
 TEST_P(ContourPropertiesOnRanks, OfAContourOfImagesAreAgreedOn)
 {
-  const auto source = MakeSource(MakeTwoArrays(), PieceSource::EVERYWHERE);
+  const auto source = MakeSource(Image, PieceSource::EVERYWHERE);
   vtkNew<vtkStabbingContour> contour;
   ExpectErrorUntilAllHaveIt(source, contour);
 }
 
 TEST_P(ContourPropertiesOnRanks, OfAContourOfAVolumeAreAgreedOn)
 {
-  const SharedFolder folder("PropertiesOnRanks-" + GetParam().Name);
-  const std::string path = folder.GetPath("volume.bvol");
-  WriteFromPieces(MakeTwoArrays(), PieceSource::EVERYWHERE, path, { 16, 3 });
-  const ContourPipeline pipeline(path);
+  const ContourPipeline pipeline(Volume->Path);
   ExpectErrorUntilAllHaveIt(pipeline.Reader, pipeline.Contour);
 }
 
