@@ -285,6 +285,8 @@ isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings(
   isosurface::EdgeIndexWriteJob::Settings settings;
   settings.Threads = this->Ranks.ChooseThreads(this->Writer.NumberOfThreads);
   settings.MemoryBytes = static_cast<std::uint64_t>(this->Writer.MemoryLimit) << 20;
+  settings.Warn = [this](const std::string& warning)
+  { vtkWarningWithObjectMacro(&this->Writer, << warning); };
   return settings;
 }
 

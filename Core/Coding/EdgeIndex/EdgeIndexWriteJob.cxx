@@ -99,8 +99,7 @@ Status EdgeIndexWriteJob::Begin()
       isFirst ? this->Files.CreateForWriting(partial) : this->Files.OpenForUpdate(partial);
     ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     this->File = std::move(*file);
-    return isFirst ? this->File->WriteAt(0, this->HeaderBytes.data(), this->HeaderBytes.size())
-                   : Status::Ok();
+    return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(isFirst ? open() : Status::Ok()));
   return this->Ranks.Agree(isFirst ? Status::Ok() : open());
@@ -113,6 +112,10 @@ Status EdgeIndexWriteJob::WriteRounds(const Progress& progress)
   {
     ISOSURFACE_RETURN_IF_ERROR(
       AgreeWithinMemory(this->Ranks, this->Path, [&] { return this->EncodeAhead(progress); }));
+    if (end == 0)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->WriteHeader());
+    }
     const bool isDone = this->NextBlock == this->Numbers.size();
     std::vector<std::uint64_t> next = { static_cast<std::uint64_t>(
       isDone ? EndOfNumbers : this->Numbers[this->NextBlock]) };
@@ -121,6 +124,29 @@ Status EdgeIndexWriteJob::WriteRounds(const Progress& progress)
     ISOSURFACE_RETURN_IF_ERROR(this->WriteRound(end));
   }
   return Status::Ok();
+}
+
+// Once the first blocks are encoded, which tell how large the file will be.
+Status EdgeIndexWriteJob::WriteHeader()
+{
+  std::vector<std::uint64_t> encoded = { this->PendingBytes, this->NextBlock };
+  this->Ranks.ReduceSum(encoded);
+  const auto write = [&]() -> Status
+  {
+    const double blocks = static_cast<double>(std::max<std::uint64_t>(1, encoded[1]));
+    const double share = static_cast<double>(this->Header.NumberOfBlocks) / blocks;
+    const auto bytes = static_cast<std::uint64_t>(static_cast<double>(encoded[0]) * share);
+    const std::string warning =
+      DescribeLackOfRoom(this->Files, this->Path, this->HeaderBytes.size() + bytes, "about");
+    if (!warning.empty() && this->Wanted.Warn)
+    {
+      this->Wanted.Warn(warning);
+    }
+    return this->File->WriteAt(0, this->HeaderBytes.data(), this->HeaderBytes.size());
+  };
+  const bool isFirst = this->Ranks.GetRank() == 0;
+  return AgreeWithinMemory(
+    this->Ranks, this->Path, [&] { return isFirst ? write() : Status::Ok(); });
 }
 
 Status EdgeIndexWriteJob::EncodeAhead(const Progress& progress)
@@ -235,7 +261,14 @@ Status EdgeIndexWriteJob::ParseBlocks(
 
 Status EdgeIndexWriteJob::WriteRound(std::int64_t end)
 {
-  const std::vector<Message> messages = this->Ranks.AllGather(this->DescribeBlocks(end));
+  Message mine;
+  const auto describe = [&]
+  {
+    mine = this->DescribeBlocks(end);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AgreeWithinMemory(this->Ranks, this->Path, describe));
+  const std::vector<Message> messages = this->Ranks.AllGather(mine);
   const auto write = [&]() -> Status
   {
     std::vector<RoundBlock> blocks;

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -49,6 +50,9 @@ public:
   {
     int Threads = 1;
     std::uint64_t MemoryBytes = std::uint64_t{ 256 } << 20;
+    /// Called on rank 0, before anything is written, if the disk has not the room that the file will
+    /// take, as far as the blocks that are encoded by then tell.
+    std::function<void(const std::string& warning)> Warn = nullptr;
   };
 
   /**
@@ -76,6 +80,7 @@ private:
 
   Status Begin();
   Status WriteRounds(const Progress& progress);
+  Status WriteHeader();
   Status EncodeAhead(const Progress& progress);
   Status EncodeBatch(std::size_t size, const Progress& progress);
   Message DescribeBlocks(std::int64_t end) const;

@@ -438,11 +438,13 @@ FileSystem& GetLocalFileSystem()
   return fileSystem;
 }
 
-std::string DescribeLackOfRoom(FileSystem& files, const std::string& path, std::uint64_t bytes)
+std::string DescribeLackOfRoom(
+  FileSystem& files, const std::string& path, std::uint64_t bytes, const std::string& measure)
 {
   const std::optional<std::uint64_t> room = files.FindFreeBytes(path);
-  return !room || bytes <= *room ? std::string()
-                                 : path + ": takes up to " + std::to_string((bytes >> 20) + 1) +
+  return !room || bytes <= *room
+    ? std::string()
+    : path + ": takes " + measure + " " + std::to_string((bytes >> 20) + 1) +
       " MiB, but its disk has room for " + std::to_string(*room >> 20) + " MiB";
 }
 

@@ -131,8 +131,10 @@ public:
 /// descriptors (DescriptorPool). What is no regular file is refused at once, without waiting.
 FileSystem& GetLocalFileSystem();
 
-/// A warning if a path's disk has no room for so many bytes; empty if it has, or is not known.
-std::string DescribeLackOfRoom(FileSystem& files, const std::string& path, std::uint64_t bytes);
+/// A warning if a path's disk has no room for so many bytes, which are `measure` ("about") what will be
+/// written; empty if it has, or is not known.
+std::string DescribeLackOfRoom(FileSystem& files, const std::string& path, std::uint64_t bytes,
+  const std::string& measure = "up to");
 
 /// Copies a file from one file system to another, or within one, and brings it to stable storage.
 Status CopyFile(

@@ -201,6 +201,40 @@ TEST(EdgeIndexWriteJob, AFailedRankLeavesTheOldFileAndAllRanksReportIt)
   }
 }
 
+TEST(EdgeIndexWriteJob, WarnsBeforeTheFirstByteIfTheDiskHasNoRoom)
+{
+  Writing<std::uint8_t> writing;
+  const std::uint64_t written = writing.WriteAlone().size();
+  // All blocks are encoded by then, or a few.
+  for (const std::uint64_t memory : { 1 << 20, 1000 })
+  {
+    for (const bool isSmall : { false, true })
+    {
+      MemoryDisk disk;
+      disk.SetFreeBytes(isSmall ? written / 2 : written * 2);
+      std::vector<std::string> warnings;
+      std::size_t bytes = 0;
+      EdgeIndexWriteJob::Settings settings = { 1, memory };
+      settings.Warn = [&](const std::string& warning)
+      {
+        warnings.push_back(warning);
+        bytes = disk.GetFile(EdgeIndexFileWriter::GetPartialPath(JobPath)).size();
+      };
+      for (const Status& status : writing.WriteTogether(disk, 3, DealInTurn, settings))
+      {
+        EXPECT_TRUE(status.IsOk()) << "it is only a warning";
+      }
+      EXPECT_EQ(bytes, 0U);
+      EXPECT_EQ(warnings.size(), isSmall ? 1U : 0U);
+      for (const std::string& warning : warnings)
+      {
+        EXPECT_EQ(
+          warning, std::string(JobPath) + ": takes about 1 MiB, but its disk has room for 0 MiB");
+      }
+    }
+  }
+}
+
 TEST(EdgeIndexWriteJob, AFullDiskLeavesTheOldFileAndAllRanksReportIt)
 {
   Writing<std::uint8_t> writing;
