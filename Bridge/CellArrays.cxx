@@ -2,6 +2,7 @@
 #include "CellArrays.h"
 
 #include "ImageSamples.h"
+#include "RangedArray.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
@@ -45,7 +46,7 @@ Result<vtkSmartPointer<vtkDataArray>> AverageToPoints(
   points->SetName(cells->GetName());
   points->SetNumberOfComponents(cells->GetNumberOfComponents());
   points->CopyComponentNames(cells);
-  points->SetNumberOfTuples(image->GetNumberOfPoints());
+  AllocateTuples(points, image->GetNumberOfPoints());
 
   // In coordinates of the image's own extent.
   const GridGeometry grid = MakeGridGeometry(image, image->GetExtent());

@@ -20,7 +20,11 @@
 #include "vtkUnsignedShortArray.h"
 #include "vtkVersionMacros.h"
 
+#include "Ground/Base/Buffer.h"
+
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #define ISOSURFACE_ATTRIBUTES_HAVE_RANGES (VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 2, 0))
 
@@ -151,6 +155,13 @@ vtkSmartPointer<vtkDataArray> MakeRangedArray(int type)
     default:
       return vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(type));
   }
+}
+
+void AllocateTuples(vtkDataArray* array, vtkIdType tuples)
+{
+  const vtkIdType values = tuples * array->GetNumberOfComponents();
+  Buffer<std::uint8_t> memory(static_cast<std::size_t>(values * array->GetDataTypeSize()));
+  array->SetVoidArray(memory.Release(), values, 0, vtkAbstractArray::VTK_DATA_ARRAY_FREE);
 }
 
 } // namespace isosurface

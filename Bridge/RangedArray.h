@@ -25,6 +25,10 @@ namespace isosurface
  */
 ISOSURFACEBRIDGE_EXPORT vtkSmartPointer<vtkDataArray> MakeRangedArray(int type);
 
+/// Gives an array room for so many tuples, which are not initialised. It throws std::bad_alloc if memory
+/// is short, where the array itself, as some systems build VTK, would end the process.
+ISOSURFACEBRIDGE_EXPORT void AllocateTuples(vtkDataArray* array, vtkIdType tuples);
+
 } // namespace isosurface
 
 #endif

@@ -73,7 +73,7 @@ template <typename ArrayT>
 void FillScalars(const Surface& surface, const std::string& name, vtkPolyData* output)
 {
   const auto scalars = MakeArray<ArrayT>(name.c_str());
-  scalars->SetNumberOfTuples(static_cast<vtkIdType>(surface.NumberOfPoints));
+  AllocateTuples(scalars, static_cast<vtkIdType>(surface.NumberOfPoints));
   for (const SurfacePart& part : surface.Parts)
   {
     auto* first = scalars->GetPointer(0) + part.FirstPoint;

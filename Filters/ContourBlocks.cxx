@@ -25,6 +25,8 @@ namespace isosurface
 namespace
 {
 
+constexpr const char* NotCollected = "the blocks of the isosurface cannot be collected";
+
 // The images of a rank, and what is contoured and interpolated of them.
 struct KeptPieces
 {
@@ -178,34 +180,45 @@ Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
 {
   auto kept = std::make_shared<KeptPieces>();
   kept->Pieces = std::move(pieces);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(kept->FindArrays(settings)));
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(CheckVisible(kept->Pieces.Pieces)));
-  ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces));
   PieceBlockSelection selection;
-  selection.Isovalues = blocks.Isovalues;
-  selection.Region = settings.Region;
+  std::vector<GridPiece> gridPieces;
+  const auto find = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(kept->FindArrays(settings));
+    ISOSURFACE_RETURN_IF_ERROR(CheckVisible(kept->Pieces.Pieces));
+    ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces));
+    selection.Isovalues = blocks.Isovalues;
+    selection.Region = settings.Region;
+    gridPieces = kept->GetGridPieces();
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCollected, find));
   // Larger blocks have fewer shared faces; but a region takes blocks whole, those of the filter.
   selection.BlockSize = settings.Region.IsEverything() ? 64 : BlockRanges::BlockSize;
   selection.WithLayer = blocks.Normals;
   blocks.Grid = kept->Pieces.Grids.front();
   auto source =
-    PieceBlockSource::Make(ranks, blocks.Grid, kept->GetGridPieces(), selection, settings.Threads);
+    PieceBlockSource::Make(ranks, blocks.Grid, std::move(gridPieces), selection, settings.Threads);
   if (!source.IsOk())
   {
     return Explain(source.GetStatus());
   }
-  blocks.Numbers = (*source)->GetNumbers();
-  blocks.FiniteRange = (*source)->GetFiniteRange();
-  blocks.Source = std::move(*source);
-  blocks.HasSamples = !kept->Scalars.empty();
-  if (blocks.HasSamples)
+  const auto tell = [&]
   {
-    blocks.Arrays = kept->Attributes.back().Arrays;
-  }
-  blocks.BlockSize = selection.BlockSize;
-  blocks.Origin = "image data";
-  blocks.Owner = std::move(kept);
-  return Status::Ok();
+    blocks.Numbers = (*source)->GetNumbers();
+    blocks.FiniteRange = (*source)->GetFiniteRange();
+    blocks.Source = std::move(*source);
+    blocks.HasSamples = !kept->Scalars.empty();
+    if (blocks.HasSamples)
+    {
+      blocks.Arrays = kept->Attributes.back().Arrays;
+    }
+    blocks.BlockSize = selection.BlockSize;
+    blocks.Origin = "image data";
+    blocks.Owner = std::move(kept);
+    return Status::Ok();
+  };
+  return AttemptOnAll(ranks, NotCollected, tell);
 }
 
 } // namespace isosurface

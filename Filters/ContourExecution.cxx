@@ -195,15 +195,13 @@ Status ContourExecution::Extract(
 Status ContourExecution::AgreeOnQuery(const VolumeInput& input, Communicator& ranks,
   SurfaceQuery& query, ContourOutcome& outcome, const ContourBlocks* blocks)
 {
-  Status status = input.GetStatus();
-  if (status.IsOk())
+  const auto make = [&]() -> Status
   {
-    status = CheckIslands(this->MakeIslandRequest(0));
-  }
-  if (status.IsOk() && input)
-  {
-    status = this->MakeQuery(input, query, outcome);
-  }
+    ISOSURFACE_RETURN_IF_ERROR(input.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(CheckIslands(this->MakeIslandRequest(0)));
+    return input ? this->MakeQuery(input, query, outcome) : Status::Ok();
+  };
+  const Status status = Attempt(NotExtracted, make);
   std::vector<CommonValue> values = input.MakeCommonValues();
   values.push_back({ this->ComputeFingerprint(query, blocks),
     "the properties of the contour filter, or of the one that takes its blocks, are not the same "
@@ -524,7 +522,8 @@ Status ContourExecution::CollectBlocksOfVolume(Communicator& ranks, const Volume
       ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
       level = choice->Level;
     }
-    return ranks.Agree(CollectVolumeBlocks(volume, query, level, blocks));
+    return AttemptOnAll(
+      ranks, NotExtracted, [&] { return CollectVolumeBlocks(volume, query, level, blocks); });
   };
   const Status status = RunWithReplicas(
     ranks, [&] { return volume.get(); }, warning, collect);

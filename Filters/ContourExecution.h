@@ -34,6 +34,9 @@ namespace isosurface
 
 struct ContourBlocks;
 
+/// What an error of a shortage of memory says.
+constexpr const char* NotExtracted = "the isosurface cannot be extracted";
+
 /**
  * What a vtkStabbingContour does: its properties become a query, the query becomes a surface, or
  * the blocks that the surface is made of. Keeps what a later execution can use: value ranges of

@@ -9,12 +9,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace isosurface
 {
 
 namespace
 {
+
+constexpr const char* NotDescribed = "the isosurface cannot be described to all ranks";
 
 void AppendText(Message& message, const std::string& text)
 {
@@ -27,6 +30,41 @@ std::string ReadText(ByteReader& reader)
   const auto size = std::min<std::uint64_t>(reader.ReadVarint(), reader.GetRemaining());
   const std::uint8_t* text = reader.ReadBytes(static_cast<std::size_t>(size));
   return text ? std::string(text, text + size) : std::string();
+}
+
+Message PackArrays(const std::vector<InterpolatedArray>& arrays)
+{
+  Message message;
+  for (const InterpolatedArray& array : arrays)
+  {
+    AppendText(message, array.Name);
+    message.push_back(static_cast<std::uint8_t>(array.Layout.Type));
+    AppendVarint(message, static_cast<std::uint64_t>(array.Layout.NumberOfComponents));
+    AppendVarint(message, array.ComponentNames.size());
+    for (const std::string& name : array.ComponentNames)
+    {
+      AppendText(message, name);
+    }
+  }
+  return message;
+}
+
+std::vector<InterpolatedArray> ReadArrays(const Message& message)
+{
+  std::vector<InterpolatedArray> arrays;
+  ByteReader reader(message);
+  while (reader.GetRemaining() > 0)
+  {
+    InterpolatedArray& array = arrays.emplace_back();
+    array.Name = ReadText(reader);
+    array.Layout.Type = static_cast<ValueType>(reader.Read<std::uint8_t>());
+    array.Layout.NumberOfComponents = reader.ReadVarint<int>();
+    for (std::uint64_t left = reader.ReadVarint(); left > 0 && reader.GetRemaining() > 0; --left)
+    {
+      array.ComponentNames.push_back(ReadText(reader));
+    }
+  }
+  return arrays;
 }
 
 /// Blocks are encoded with the normals that the contour computes.
@@ -66,68 +104,60 @@ EdgeIndexHeader DescribeContourBlocks(
 }
 
 Result<EdgeIndexHeader> ShareHeader(
-  Communicator& ranks, const EdgeIndexHeader& mine, bool hasSamples)
+  Communicator& ranks, bool hasSamples, const std::function<EdgeIndexHeader()>& describe)
 {
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(mine.Check()));
-  Message message;
-  if (hasSamples)
+  EdgeIndexHeader header;
+  Message mine;
+  const auto pack = [&]() -> Status
   {
-    mine.Append(message);
-  }
-  Result<EdgeIndexHeader> header = mine;
-  for (const Message& other : ranks.AllGather(message))
+    header = describe();
+    ISOSURFACE_RETURN_IF_ERROR(header.Check());
+    if (hasSamples)
+    {
+      header.Append(mine);
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, pack));
+  const std::vector<Message> messages = ranks.AllGather(mine);
+  const auto take = [&]() -> Status
   {
-    if (!other.empty())
+    const auto first = std::find_if(
+      messages.begin(), messages.end(), [](const Message& message) { return !message.empty(); });
+    if (first != messages.end())
     {
       std::size_t used = 0;
-      header = EdgeIndexHeader::Parse(other.data(), other.size(), used);
-      break;
+      auto parsed = EdgeIndexHeader::Parse(first->data(), first->size(), used);
+      ISOSURFACE_RETURN_IF_ERROR(parsed.GetStatus());
+      header = std::move(*parsed);
     }
-  }
-  if (header.IsOk())
-  {
-    MatchNormals(*header); // the bytes do not say it
-  }
+    MatchNormals(header); // the bytes do not say it
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, take));
   return header;
 }
 
-std::vector<InterpolatedArray> ShareArrays(Communicator& ranks, const ContourBlocks& blocks)
+Result<std::vector<InterpolatedArray>> ShareArrays(Communicator& ranks, const ContourBlocks& blocks)
 {
   Message mine;
-  if (blocks.HasSamples)
+  const auto pack = [&]
   {
-    for (const InterpolatedArray& array : blocks.Arrays)
-    {
-      AppendText(mine, array.Name);
-      mine.push_back(static_cast<std::uint8_t>(array.Layout.Type));
-      AppendVarint(mine, static_cast<std::uint64_t>(array.Layout.NumberOfComponents));
-      AppendVarint(mine, array.ComponentNames.size());
-      for (const std::string& name : array.ComponentNames)
-      {
-        AppendText(mine, name);
-      }
-    }
-  }
+    mine = blocks.HasSamples ? PackArrays(blocks.Arrays) : Message();
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, pack));
+  const std::vector<Message> messages = ranks.AllGather(mine);
   std::vector<InterpolatedArray> arrays;
-  for (const Message& message : ranks.AllGather(mine))
+  const auto take = [&]
   {
-    ByteReader reader(message);
-    while (reader.GetRemaining() > 0)
+    for (std::size_t rank = 0; arrays.empty() && rank < messages.size(); ++rank)
     {
-      InterpolatedArray& array = arrays.emplace_back();
-      array.Name = ReadText(reader);
-      array.Layout.Type = static_cast<ValueType>(reader.Read<std::uint8_t>());
-      array.Layout.NumberOfComponents = reader.ReadVarint<int>();
-      for (std::uint64_t left = reader.ReadVarint(); left > 0 && reader.GetRemaining() > 0; --left)
-      {
-        array.ComponentNames.push_back(ReadText(reader));
-      }
+      arrays = ReadArrays(messages[rank]);
     }
-    if (!arrays.empty())
-    {
-      break;
-    }
-  }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, take));
   return arrays;
 }
 

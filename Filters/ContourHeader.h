@@ -8,6 +8,7 @@
 #include "Ground/Base/Status.h"
 #include "SurfacePolyData.h"
 
+#include <functional>
 #include <vector>
 
 namespace isosurface
@@ -18,13 +19,15 @@ namespace isosurface
 EdgeIndexHeader DescribeContourBlocks(
   const ContourBlocks& blocks, double arrayError, double normalError);
 
-/// That of the first rank that has samples, which others do not know all of. Collective. Errors of
-/// any rank: InvalidArgument (see EdgeIndexHeader::Check).
+/// What `describe` gives on the first rank that has samples, which others do not know all of.
+/// Collective. Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory.
 Result<EdgeIndexHeader> ShareHeader(
-  Communicator& ranks, const EdgeIndexHeader& mine, bool hasSamples);
+  Communicator& ranks, bool hasSamples, const std::function<EdgeIndexHeader()>& describe);
 
-/// The interpolated arrays, which ranks without samples do not know. Collective.
-std::vector<InterpolatedArray> ShareArrays(Communicator& ranks, const ContourBlocks& blocks);
+/// The interpolated arrays, which ranks without samples do not know. Collective. Error of any rank:
+/// OutOfMemory.
+Result<std::vector<InterpolatedArray>> ShareArrays(
+  Communicator& ranks, const ContourBlocks& blocks);
 
 } // namespace isosurface
 

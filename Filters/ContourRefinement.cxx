@@ -170,8 +170,15 @@ ImageContour::Query ContourExecution::MakeImageQuery() const
 //------------------------------------------------------------------------------
 Status ContourExecution::ExtractCoarsely(Communicator& ranks, ContourOutcome& outcome)
 {
-  return ranks.Agree(this->OfCoarseImages.Extract(
-    ranks, this->MakeImageQuery(), isosurface::MakeProgress(this->Contour), outcome));
+  ImageContour::Query query;
+  const auto make = [&]
+  {
+    query = this->MakeImageQuery();
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotExtracted, make));
+  return ranks.Agree(
+    this->OfCoarseImages.Extract(ranks, query, isosurface::MakeProgress(this->Contour), outcome));
 }
 
 //------------------------------------------------------------------------------
@@ -232,7 +239,7 @@ Status ContourExecution::BeginImages(Communicator& ranks)
   return ranks.Agree(Attempt("the next surface cannot be prepared",
     [&]
     {
-      prepared.Work = std::make_unique<CollectiveTask>(ranks, "the isosurface cannot be extracted",
+      prepared.Work = std::make_unique<CollectiveTask>(ranks, NotExtracted,
         [this, &prepared, query = this->LastImages.Exact](
           Communicator& all, const Progress& advance)
         { return this->OfImages.Extract(all, query, advance, prepared.Outcome); });

@@ -17,6 +17,8 @@ namespace isosurface
 namespace
 {
 
+constexpr const char* NotContoured = "the images of the input cannot be contoured";
+
 /// Cells along a side; small, so that ranks share a coarse level out evenly.
 constexpr int JoinedBlockSize = 16;
 
@@ -80,8 +82,7 @@ Result<ImageContour::Query> ImageContour::Query::Make(
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(
-    ranks.Agree(Attempt("the images of the input cannot be contoured", find)));
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotContoured, find));
   query.Request.Attributes.clear();
   for (const InterpolatedArray& array : query.Arrays)
   {
@@ -190,6 +191,7 @@ Status ImageContour::Prepare(const Query& query, Prepared& prepared)
     prepared.Pieces.push_back({ piece.Grid, query.Pieces.Grids[piece.Grid].GetDimensions(),
       prepared.Entries.back().Scalars.GetView(piece.Samples), piece.Samples.Hidden });
   }
+  prepared.Layers.Resize(prepared.Pieces.size());
   return Status::Ok();
 }
 
@@ -199,7 +201,12 @@ Status ImageContour::Extract(
   if (query.Joins)
   {
     const Status status = ExtractJoined(ranks, query, progress, outcome);
-    if (status.GetCode() != StatusCode::InvalidArgument)
+    // One rank alone may know that its pieces are of different types.
+    std::vector<std::uint64_t> cannotJoin = {
+      status.GetCode() == StatusCode::InvalidArgument ? 1U : 0U
+    };
+    ranks.ReduceMaximum(cannotJoin);
+    if (cannotJoin[0] == 0)
     {
       return status;
     }
@@ -212,36 +219,33 @@ Status ImageContour::ExtractJoined(
 {
   const std::vector<ImagePiece>& pieces = query.Pieces.Pieces;
   std::vector<ChosenScalars> scalars;
+  std::vector<std::vector<GridPiece>> ofGrids;
+  std::vector<Surface> surfaces;
   const auto choose = [&]
   {
-    for (const ImagePiece& piece : pieces)
+    ofGrids.resize(query.Pieces.Grids.size());
+    surfaces.reserve(ofGrids.size());
+    scalars.reserve(pieces.size());
+    for (std::size_t number = 0; number < pieces.size(); ++number)
     {
-      const auto components = static_cast<int>(piece.Samples.Components.size());
-      scalars.emplace_back(piece.Samples, *FindChosenComponent(components, query.Choice.Component),
-        query.Choice.Threads);
+      const ImageSamples& samples = pieces[number].Samples;
+      const auto components = static_cast<int>(samples.Components.size());
+      scalars.emplace_back(
+        samples, *FindChosenComponent(components, query.Choice.Component), query.Choice.Threads);
+      ofGrids[pieces[number].Grid].push_back(
+        { scalars.back().GetView(samples), query.Attributes[number].Views });
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(
-    ranks.Agree(Attempt("the images of the input cannot be contoured", choose)));
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotContoured, choose));
   const std::vector<std::int64_t> firstIds = FindFirstIds(query.Pieces, query.Request);
-  std::vector<Surface> surfaces;
   std::size_t blocks = 0;
   for (std::size_t grid = 0; grid < query.Pieces.Grids.size(); ++grid)
   {
-    std::vector<GridPiece> ofGrid;
-    for (std::size_t number = 0; number < pieces.size(); ++number)
-    {
-      if (pieces[number].Grid == grid)
-      {
-        ofGrid.push_back(
-          { scalars[number].GetView(pieces[number].Samples), query.Attributes[number].Views });
-      }
-    }
     const PieceBlockSelection selection = { query.Request.Isovalues, query.Choice.Region,
       JoinedBlockSize, query.Request.Normals };
     const auto source = PieceBlockSource::Make(
-      ranks, query.Pieces.Grids[grid], std::move(ofGrid), selection, query.Choice.Threads);
+      ranks, query.Pieces.Grids[grid], std::move(ofGrids[grid]), selection, query.Choice.Threads);
     ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
     ContourRequest request = query.Request;
     const std::optional<GridLines>& lines = query.Pieces.Lines[grid];
@@ -253,10 +257,15 @@ Status ImageContour::ExtractJoined(
     ShiftGlobalIds(firstIds[grid], *extracted);
     surfaces.push_back(std::move(*extracted));
   }
-  outcome.Arrays = query.Arrays;
-  outcome.Cost.Reading.ActiveBlocks += blocks;
-  outcome.Extracted = surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
-  return Status::Ok();
+  const auto merge = [&]
+  {
+    outcome.Arrays = query.Arrays;
+    outcome.Cost.Reading.ActiveBlocks += blocks;
+    outcome.Extracted =
+      surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
+    return Status::Ok();
+  };
+  return Attempt(NotContoured, merge);
 }
 
 Status ImageContour::ExtractPieces(
@@ -264,16 +273,21 @@ Status ImageContour::ExtractPieces(
 {
   Prepared prepared;
   const auto prepare = [&] { return this->Prepare(query, prepared); };
-  ISOSURFACE_RETURN_IF_ERROR(
-    ranks.Agree(Attempt("the images of the input cannot be contoured", prepare)));
-  const std::vector<ImagePiece>& pieces = query.Pieces.Pieces;
-  prepared.Layers.Resize(pieces.size());
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotContoured, prepare));
   if (query.Request.Normals)
   {
     auto layers = PieceLayers::Collect(ranks, prepared.Pieces);
     ISOSURFACE_RETURN_IF_ERROR(layers.GetStatus());
     prepared.Layers = std::move(*layers);
   }
+  return Attempt(
+    NotContoured, [&] { return this->ExtractPrepared(query, prepared, progress, outcome); });
+}
+
+Status ImageContour::ExtractPrepared(
+  const Query& query, Prepared& prepared, const Progress& progress, ContourOutcome& outcome)
+{
+  const std::vector<ImagePiece>& pieces = query.Pieces.Pieces;
   outcome.Arrays = query.Arrays;
   const std::vector<std::int64_t> firstIds = FindFirstIds(query.Pieces, query.Request);
   std::vector<Surface> surfaces;

@@ -118,6 +118,8 @@ private:
 
   /// Not collective.
   Status Prepare(const Query& query, Prepared& prepared);
+  Status ExtractPrepared(
+    const Query& query, Prepared& prepared, const Progress& progress, ContourOutcome& outcome);
 
   /// See Extract. Both are collective.
   Status ExtractPieces(

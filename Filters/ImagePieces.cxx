@@ -126,12 +126,10 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
   return Status::Ok();
 }
 
-// The grids of all leaves, and the number of each leaf's: images first. Collective.
-std::vector<std::size_t> UniteLeaves(
-  Communicator& ranks, const std::vector<Leaf>& leaves, ImagePieces& pieces)
+// The grids of leaves.
+void FindLeafGrids(
+  const std::vector<Leaf>& leaves, std::vector<GridGeometry>& images, std::vector<LinedGrid>& lined)
 {
-  std::vector<GridGeometry> grids;
-  std::vector<LinedGrid> lined;
   for (const Leaf& leaf : leaves)
   {
     if (leaf.Lines)
@@ -140,27 +138,35 @@ std::vector<std::size_t> UniteLeaves(
     }
     else
     {
-      grids.push_back(leaf.Grid);
+      images.push_back(leaf.Grid);
     }
   }
-  pieces.Grids = UniteGrids(ranks, grids);
-  pieces.Lines.resize(pieces.Grids.size());
-  const std::size_t images = pieces.Grids.size();
-  std::vector<std::size_t> linedNumbers;
-  for (LinedGrid& grid : UniteLinedGrids(ranks, lined, linedNumbers))
+}
+
+// The samples of leaves, in the grids of all ranks: images first. `linedNumbers`: of the leaves with
+// lines, their grids.
+Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
+  const std::vector<GridGeometry>& images, std::vector<LinedGrid> lined,
+  const std::vector<std::size_t>& linedNumbers, ImagePieces& pieces)
+{
+  pieces.Grids = images;
+  pieces.Lines.resize(images.size());
+  for (LinedGrid& grid : lined)
   {
     pieces.Grids.push_back(grid.Grid);
     pieces.Lines.emplace_back(std::move(grid.Lines));
   }
-  std::vector<std::size_t> numbers;
-  numbers.reserve(leaves.size());
   std::size_t next = 0;
   for (const Leaf& leaf : leaves)
   {
-    numbers.push_back(
-      leaf.Lines ? images + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid));
+    const std::size_t grid =
+      leaf.Lines ? images.size() + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid);
+    Result<ImageSamples> samples = MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array);
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    pieces.Pieces.push_back(
+      { leaf.Image, leaf.Owner, std::move(*samples), grid, FindImageTime(inputInfo, leaf.Image) });
   }
-  return numbers;
+  return Status::Ok();
 }
 
 } // namespace
@@ -198,10 +204,16 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
 {
   std::vector<Leaf> leaves;
   std::size_t numberOfImages = 0;
+  std::vector<GridGeometry> grids;
+  std::vector<LinedGrid> lined;
   const std::string context = "the images of the input cannot be prepared";
   const auto collect = [&]
-  { return CollectLeaves(input, inputInfo, findArray, leaves, numberOfImages); };
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(context, collect)));
+  {
+    const Status status = CollectLeaves(input, inputInfo, findArray, leaves, numberOfImages);
+    FindLeafGrids(leaves, grids, lined);
+    return status;
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, collect));
   std::vector<std::uint64_t> counts{ numberOfImages, leaves.size() };
   ranks.ReduceSum(counts);
   if (counts[0] > 0 && counts[1] == 0)
@@ -209,22 +221,15 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
     return Status(StatusCode::NotFound, "the input has no such point array");
   }
 
+  const auto images = UniteGrids(ranks, grids);
+  ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
+  std::vector<std::size_t> linedNumbers;
+  auto united = UniteLinedGrids(ranks, lined, linedNumbers);
+  ISOSURFACE_RETURN_IF_ERROR(united.GetStatus());
   ImagePieces pieces;
-  const std::vector<std::size_t> numbers = UniteLeaves(ranks, leaves, pieces);
-  const auto prepare = [&]() -> Status
-  {
-    for (std::size_t n = 0; n < leaves.size(); ++n)
-    {
-      const Leaf& leaf = leaves[n];
-      const std::size_t grid = numbers[n];
-      Result<ImageSamples> samples = MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array);
-      ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-      pieces.Pieces.push_back({ leaf.Image, leaf.Owner, std::move(*samples), grid,
-        FindImageTime(inputInfo, leaf.Image) });
-    }
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(context, prepare)));
+  const auto add = [&]
+  { return AddPieces(inputInfo, leaves, *images, std::move(*united), linedNumbers, pieces); };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, add));
   return pieces;
 }
 

@@ -26,6 +26,7 @@
 #include "ErrorReport.h"
 #include "Ground/Base/BackgroundTask.h"
 #include "Ground/Base/Fingerprint.h"
+#include "RangedArray.h"
 #include "RectilinearGrids.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -87,7 +88,10 @@ void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
   {
     return;
   }
-  vtkUnsignedCharArray* ghosts = image->AllocatePointGhostArray();
+  vtkNew<vtkUnsignedCharArray> ghosts;
+  ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
+  AllocateTuples(ghosts, image->GetNumberOfPoints());
+  image->GetPointData()->AddArray(ghosts);
   for (std::size_t point = 0; point < isInside.size(); ++point)
   {
     ghosts->SetValue(
@@ -271,13 +275,17 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   {
     const bool isNew = SumSource(input, properties) != this->Source;
     this->IsOnlyTold = isNew;
-    const auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays(),
-      isNew ? this->CoarseAllowed : this->IsCoarse);
-    if (planned.IsOk()) // else RequestData tells why not
+    const auto make = [&]() -> Status
     {
-      image = *planned;
-      this->Text = Describe(image, input);
-    }
+      auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays(),
+        isNew ? this->CoarseAllowed : this->IsCoarse);
+      ISOSURFACE_RETURN_IF_ERROR(planned.GetStatus());
+      this->Text = Describe(*planned, input);
+      image = std::move(*planned);
+      return Status::Ok();
+    };
+    // RequestData tells why not.
+    static_cast<void>(Attempt("", make));
   }
   TellGrid(image.Grid, outInfo);
   // What kind of grid it is, is known no earlier.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "SpectrumTable.h"
 
+#include "RangedArray.h"
+
 #include "vtkDoubleArray.h"
 #include "vtkIdTypeArray.h"
 #include "vtkNew.h"
@@ -32,7 +34,7 @@ void AddSum(const std::vector<const WorkloadSpectrum*>& spectra, std::size_t qua
   const std::size_t bins = spectra.front()->Bins.Count;
   vtkNew<Array> column;
   column->SetName(name.c_str());
-  column->SetNumberOfValues(static_cast<vtkIdType>(bins));
+  AllocateTuples(column, static_cast<vtkIdType>(bins));
   column->Fill(0);
   for (const WorkloadSpectrum* spectrum : spectra)
   {
@@ -82,7 +84,7 @@ void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* 
   const SpectrumBins& bins = spectra.front().Bins;
   vtkNew<vtkDoubleArray> isovalues;
   isovalues->SetName(IsovalueName);
-  isovalues->SetNumberOfValues(bins.Count);
+  AllocateTuples(isovalues, bins.Count);
   for (std::uint32_t bin = 0; bin < bins.Count; ++bin)
   {
     isovalues->SetValue(bin, bins.GetEdge(bin));

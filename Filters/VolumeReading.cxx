@@ -63,9 +63,10 @@ Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& 
   {
     status = Status(StatusCode::Aborted, "reading was aborted");
   }
-  const StoreNews news = volume.ShareStoreFaults(ranks);
+  const auto news = volume.ShareStoreFaults(ranks);
+  ISOSURFACE_RETURN_IF_ERROR(news.GetStatus());
   status = ranks.Agree(status);
-  ReportWarning(&filter, ranks, status, news.Warning);
+  ReportWarning(&filter, ranks, status, news->Warning);
   return status;
 }
 

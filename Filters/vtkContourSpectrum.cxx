@@ -50,6 +50,8 @@ using isosurface::WorkloadSpectrum;
 namespace
 {
 
+constexpr const char* NoSpectrum = "the spectrum cannot be made";
+
 // The type of the scalars of all ranks; nothing if there are none, an error if there are several.
 Result<std::optional<ValueType>> FindType(
   isosurface::Communicator& ranks, const std::vector<isosurface::SampleView>& scalars)
@@ -206,7 +208,13 @@ int vtkContourSpectrum::RequestData(
   Status status = ranks.Agree(volume.GetStatus(), steps.MakeCommonValues(volume));
   if (status.IsOk())
   {
-    status = volume ? steps.ReadFromVolume(volume) : steps.CountInImages(inInfo);
+    status = isosurface::RunCollective(NoSpectrum,
+      [&]
+      {
+        return volume
+          ? isosurface::Attempt(NoSpectrum, [&] { return steps.ReadFromVolume(volume); })
+          : steps.CountInImages(inInfo);
+      });
   }
   if (isosurface::IsAborted(*this))
   {
@@ -295,20 +303,30 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(
-    this->Ranks.Agree(isosurface::Attempt("the images of the input cannot be prepared", choose)));
+  ISOSURFACE_RETURN_IF_ERROR(isosurface::AttemptOnAll(this->Ranks, NoSpectrum, choose));
   const auto type = FindType(this->Ranks, scalars);
   if (!type.IsOk() || !*type)
   {
     return type.GetStatus();
   }
-  const auto spectra = this->Count(**type, MakeGridSpectra(*pieces, scalars, **type, threads));
-  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
-  if (this->Ranks.GetRank() == 0)
+  std::vector<GridSpectrum> grids;
+  const auto make = [&]
   {
-    isosurface::AddSpectrumColumns(*spectra, this->Table);
-  }
-  return Status::Ok();
+    grids = MakeGridSpectra(*pieces, scalars, **type, threads);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(isosurface::AttemptOnAll(this->Ranks, NoSpectrum, make));
+  const auto spectra = this->Count(**type, std::move(grids));
+  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
+  const auto fill = [&]
+  {
+    if (this->Ranks.GetRank() == 0)
+    {
+      isosurface::AddSpectrumColumns(*spectra, this->Table);
+    }
+    return Status::Ok();
+  };
+  return isosurface::Attempt(NoSpectrum, fill);
 }
 
 //------------------------------------------------------------------------------

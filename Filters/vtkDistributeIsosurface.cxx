@@ -44,6 +44,8 @@ namespace
 {
 using Pipeline = vtkStreamingDemandDrivenPipeline;
 
+constexpr const char* NotDistributed = "the isosurface cannot be distributed";
+
 double GetSecondsSince(std::chrono::steady_clock::time_point begin)
 {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -198,7 +200,8 @@ int vtkDistributeIsosurface::RequestData(
   {
     isosurface::IgnoreAbortedInput(*this);
     const Steps steps = { *this, ranks, contour };
-    status = steps.Distribute(output->GetInformationObject(0), polyData);
+    status = isosurface::RunCollective(
+      NotDistributed, [&] { return steps.Distribute(output->GetInformationObject(0), polyData); });
   }
   if (status.IsOk())
   {
@@ -212,16 +215,18 @@ int vtkDistributeIsosurface::RequestData(
 Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
   const ContourBlocks& blocks) const
 {
-  EdgeIndexHeader mine =
-    isosurface::DescribeContourBlocks(blocks, this->Filter.ArrayError, this->Filter.NormalError);
-  mine.Settings.Mode = this->Filter.Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
-    : this->Filter.Mode == BOUNDED                   ? isosurface::EdgeIndexMode::Bounded
-                                                     : isosurface::EdgeIndexMode::Smallest;
-  mine.Settings.MaximumError = this->Filter.MaximumError;
-  mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
-  auto header = isosurface::ShareHeader(this->Ranks, mine, blocks.HasSamples);
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(header.GetStatus()));
-  return header;
+  const auto describe = [&]
+  {
+    EdgeIndexHeader mine =
+      isosurface::DescribeContourBlocks(blocks, this->Filter.ArrayError, this->Filter.NormalError);
+    mine.Settings.Mode = this->Filter.Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
+      : this->Filter.Mode == BOUNDED                   ? isosurface::EdgeIndexMode::Bounded
+                                                       : isosurface::EdgeIndexMode::Smallest;
+    mine.Settings.MaximumError = this->Filter.MaximumError;
+    mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
+    return mine;
+  };
+  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, describe);
 }
 
 //------------------------------------------------------------------------------
@@ -263,7 +268,9 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   }
   const Result<EdgeIndexHeader> header = this->MakeHeader(blocks);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  blocks.Arrays = isosurface::ShareArrays(ranks, blocks);
+  auto arrays = isosurface::ShareArrays(ranks, blocks);
+  ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
+  blocks.Arrays = std::move(*arrays);
 
   const SurfaceExchange::Settings settings = this->MakeSettings();
   const isosurface::ContourRequest request =
@@ -273,16 +280,20 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   Result<Surface> surface = exchange.Run(*blocks.Source, isosurface::MakeProgress(this->Filter));
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
 
-  AddCost(ranks.GetRank(), exchange, *surface, querySeconds, output);
-  isosurface::AddToFieldData(output, "Level", blocks.Level);
-  isosurface::MoveToPolyData(
-    *surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header->Array : "", output);
-  isosurface::StoreRanges(output, settings.Threads);
-  if (header->Time)
+  const auto fill = [&]
   {
-    output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header->Time);
-  }
-  return Status::Ok();
+    AddCost(ranks.GetRank(), exchange, *surface, querySeconds, output);
+    isosurface::AddToFieldData(output, "Level", blocks.Level);
+    isosurface::MoveToPolyData(
+      *surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header->Array : "", output);
+    isosurface::StoreRanges(output, settings.Threads);
+    if (header->Time)
+    {
+      output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header->Time);
+    }
+    return Status::Ok();
+  };
+  return isosurface::AttemptOnAll(ranks, NotDistributed, fill);
 }
 
 //------------------------------------------------------------------------------

@@ -63,6 +63,22 @@ void LogCost(int rank, const isosurface::QueryCost& cost)
     cost.ExtractSeconds);
 }
 
+void FillOutput(vtkStabbingContour& contour, int rank, int threads,
+  isosurface::ContourOutcome& made, vtkPolyData* output)
+{
+  made.Cost.Triangles = made.Extracted.NumberOfTriangles;
+  made.Cost.ExtractSeconds = made.Extracted.TotalSeconds;
+  isosurface::MoveToPolyData(
+    made.Extracted, made.Arrays, contour.GetComputeScalars() ? made.ArrayName : "", output);
+  isosurface::StoreRanges(output, threads);
+  isosurface::AddCostToFieldData(rank, made.Cost, output);
+  if (made.Islands)
+  {
+    isosurface::AddIslands(
+      *made.Islands, contour.GetComputeIslandIds() != 0, made.IslandSeconds, output);
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -339,7 +355,17 @@ int vtkStabbingContour::RequestData(
 
   isosurface::ControllerCommunicator ranks(this->Controller);
   isosurface::ContourOutcome made;
-  Status status = this->Work->Extract(inInfo, output->GetInformationObject(0), made);
+  Status status = isosurface::RunCollective(isosurface::NotExtracted,
+    [&] { return this->Work->Extract(inInfo, output->GetInformationObject(0), made); });
+  if (status.IsOk())
+  {
+    status = isosurface::Attempt(isosurface::NotExtracted,
+      [&]
+      {
+        FillOutput(*this, ranks.GetRank(), this->Work->ChooseThreads(), made, polyData);
+        return Status::Ok();
+      });
+  }
   if (isosurface::IsAborted(*this))
   {
     // Outweighs an error, such as that of a reader that was stopped before it had a volume.
@@ -352,21 +378,10 @@ int vtkStabbingContour::RequestData(
     isosurface::SummariseIslands(status.IsOk() && made.Islands ? &*made.Islands : nullptr);
   if (!status.IsOk())
   {
+    polyData->Initialize();
     return isosurface::EndExecution(this, output, status);
   }
-
-  made.Cost.Triangles = made.Extracted.NumberOfTriangles;
-  made.Cost.ExtractSeconds = made.Extracted.TotalSeconds;
   LogCost(ranks.GetRank(), made.Cost);
-  isosurface::MoveToPolyData(
-    made.Extracted, made.Arrays, this->ComputeScalars ? made.ArrayName : "", polyData);
-  isosurface::StoreRanges(polyData, this->Work->ChooseThreads());
-  isosurface::AddCostToFieldData(ranks.GetRank(), made.Cost, polyData);
-  if (made.Islands)
-  {
-    isosurface::AddIslands(
-      *made.Islands, this->ComputeIslandIds != 0, made.IslandSeconds, polyData);
-  }
   return 1;
 }
 

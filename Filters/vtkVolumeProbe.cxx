@@ -25,6 +25,7 @@
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/VertexPlaces.h"
 #include "ImageSamples.h"
+#include "RangedArray.h"
 #include "Storage/Sampling/PointSampling.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -117,7 +118,7 @@ vtkSmartPointer<vtkDataArray> AddPointArray(
     vtkDataArray::CreateDataArray(isosurface::GetVTKType(description.Type)));
   values->SetName(description.Name.c_str());
   values->SetNumberOfComponents(description.Components);
-  values->SetNumberOfTuples(points->GetNumberOfPoints());
+  isosurface::AllocateTuples(values, points->GetNumberOfPoints());
   values->Fill(
     isosurface::IsFloatingType(description.Type) ? std::numeric_limits<double>::quiet_NaN() : 0.0);
   points->GetPointData()->AddArray(values);
@@ -285,7 +286,7 @@ Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, 
     : isosurface::Interpolation::Linear;
   vtkNew<vtkCharArray> mask;
   mask->SetName("vtkValidPointMask");
-  mask->SetNumberOfTuples(dataset->GetNumberOfPoints());
+  isosurface::AllocateTuples(mask, dataset->GetNumberOfPoints());
   mask->FillValue(0);
   auto* isInside = reinterpret_cast<std::uint8_t*>(mask->GetPointer(0));
   for (const std::size_t array : this->Input.GetHandle().GetArrays())

@@ -259,11 +259,24 @@ int vtkVolumeSlice::RequestData(
     [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse)
     { return steps.Plan(volume, isCoarse); },
     result);
-  if (isMade)
+  auto* image = vtkImageData::GetData(output, 0);
+  if (!isMade || this->Isovalues->GetNumberOfContours() == 0)
   {
-    steps.MakeIsolines(vtkImageData::GetData(output, 0), isolines);
+    return result;
   }
-  return result;
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  const Status status = isosurface::AttemptOnAll(ranks, "the isolines cannot be made",
+    [&]
+    {
+      steps.MakeIsolines(image, isolines);
+      return Status::Ok();
+    });
+  if (!status.IsOk())
+  {
+    image->Initialize();
+    isolines->Initialize();
+  }
+  return isosurface::EndExecution(this, output, status);
 }
 
 //------------------------------------------------------------------------------
@@ -274,7 +287,7 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   const std::string& name = this->Filter.IsolineArray;
   vtkDataArray* array = name.empty() ? image->GetPointData()->GetScalars()
                                      : image->GetPointData()->GetArray(name.c_str());
-  if (values->GetNumberOfContours() == 0 || size[0] < 2 || size[1] < 2)
+  if (size[0] < 2 || size[1] < 2)
   {
     return;
   }

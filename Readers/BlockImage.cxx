@@ -44,7 +44,7 @@ vtkSmartPointer<vtkUnsignedCharArray> MakeGhosts(
   }
   auto ghosts = vtkSmartPointer<vtkUnsignedCharArray>::New();
   ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
-  ghosts->SetNumberOfTuples(count[0] * count[1] * count[2]);
+  AllocateTuples(ghosts, count[0] * count[1] * count[2]);
   auto isOwn = [&](int axis, std::int64_t index)
   {
     const std::int64_t vertex = available.Low[axis] + index;
@@ -83,7 +83,7 @@ vtkSmartPointer<vtkDataArray> MakeArray(vtkImageData* image, const ArrayDescript
   vtkSmartPointer<vtkDataArray> values = MakeRangedArray(GetVTKType(description.Type));
   values->SetName(description.Name.c_str());
   values->SetNumberOfComponents(description.Components);
-  values->SetNumberOfTuples(image->GetNumberOfPoints());
+  AllocateTuples(values, image->GetNumberOfPoints());
   if (!description.Unit.empty())
   {
     values->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), description.Unit.c_str());

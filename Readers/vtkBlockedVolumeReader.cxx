@@ -324,14 +324,15 @@ int vtkBlockedVolumeReader::RequestData(
     partitions->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *time);
   }
   const bool isBox = !this->Handle->IsOutputNeeded();
-  if (isBox)
-  {
-    reading.MakeBox(partitions);
-  }
-  else
-  {
-    status = reading.ReadSlab(partitions);
-  }
+  status = isosurface::Attempt(reading.Volume.GetPath(),
+    [&]
+    {
+      if (isBox)
+      {
+        reading.MakeBox(partitions);
+      }
+      return isBox ? Status::Ok() : reading.ReadSlab(partitions);
+    });
   this->Handle->FinishOutput(isBox);
   if (!this->StandInText.empty())
   {
@@ -342,9 +343,9 @@ int vtkBlockedVolumeReader::RequestData(
   {
     status = Status(StatusCode::Aborted, "reading was aborted");
   }
-  const isosurface::StoreNews news = reading.Volume.ShareStoreFaults(ranks);
-  status = ranks.Agree(status);
-  isosurface::ReportWarning(this, ranks, status, news.Warning);
+  const auto news = reading.Volume.ShareStoreFaults(ranks);
+  status = news.IsOk() ? ranks.Agree(status) : news.GetStatus();
+  isosurface::ReportWarning(this, ranks, status, news.IsOk() ? news->Warning : "");
   if (!status.IsOk())
   {
     partitions->Initialize();

@@ -17,6 +17,7 @@
 #include "ErrorReport.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Ground/Base/WithinMemory.h"
 #include "NormalRounding.h"
 #include "Surface/Contour/TriangleNormals.h"
 #include "SurfacePolyData.h"
@@ -144,7 +145,8 @@ Status vtkEdgeIndexReader::Internals::OpenFile()
     this->OpenError = "No file name is set.";
     if (const char* name = this->Reader.FileName; name && *name)
     {
-      auto file = isosurface::EdgeIndexFile::Open(isosurface::GetLocalFileSystem(), name);
+      auto file = isosurface::RunWithinMemory(name, ": there is not enough memory to open it",
+        [&] { return isosurface::EdgeIndexFile::Open(isosurface::GetLocalFileSystem(), name); });
       this->OpenError = file.GetStatus().GetMessage();
       this->File = file.IsOk() ? std::move(*file) : nullptr;
     }
@@ -211,7 +213,10 @@ int vtkEdgeIndexReader::RequestData(
       vtkWarningMacro(<< this->FileName
                       << ": the file has no preview: the surface is read in full.");
     }
-    status = this->Internal->ReadSurface(output->GetInformationObject(0), threads, polyData);
+    status = isosurface::RunWithinMemory(this->FileName,
+      ": there is not enough memory for the isosurface.",
+      [&]
+      { return this->Internal->ReadSurface(output->GetInformationObject(0), threads, polyData); });
     if (status.IsOk() && isosurface::IsAborted(*this))
     {
       status = Status(StatusCode::Aborted, "reading was aborted");

@@ -113,7 +113,9 @@ Status LocalVolume::UniteLines(Communicator& ranks)
     mine.push_back(*this->Lines);
   }
   std::vector<std::size_t> numbers;
-  std::vector<LinedGrid> grids = UniteLinedGrids(ranks, mine, numbers);
+  auto united = UniteLinedGrids(ranks, mine, numbers);
+  ISOSURFACE_RETURN_IF_ERROR(united.GetStatus());
+  std::vector<LinedGrid>& grids = *united;
   Status status;
   if (grids.size() > 1)
   {
@@ -151,7 +153,8 @@ Status LocalVolume::Agree(Communicator& ranks)
     if (!text.empty() && text != *first)
     {
       return Status(StatusCode::InvalidArgument,
-        "the ranks' pieces differ in whole extent, origin, spacing, direction, time, arrays or units");
+        "the ranks' pieces differ in whole extent, origin, spacing, direction, time, arrays or "
+        "units");
     }
   }
   if (!hasPart)

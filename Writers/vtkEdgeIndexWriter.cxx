@@ -262,21 +262,23 @@ Status vtkEdgeIndexWriter::Steps::WriteSurface()
 Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(const ContourBlocks& blocks)
 {
   const vtkEdgeIndexWriter& writer = this->Writer;
-  EdgeIndexHeader header =
-    isosurface::DescribeContourBlocks(blocks, writer.ArrayError, writer.NormalError);
-  header.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(writer.Mode);
-  header.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(writer.Profile);
-  header.Settings.MaximumError = writer.MaximumError;
-  header.Settings.QuantizationBits = writer.QuantizationBits;
-  SetQuantizationRange(blocks, header.Settings);
-  for (header.PreviewLevel = writer.PreviewLevel;
-       header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize;)
+  const auto describe = [&]
   {
-    --header.PreviewLevel;
-  }
-  auto shared = isosurface::ShareHeader(this->Ranks, header, blocks.HasSamples);
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(shared.GetStatus()));
-  return shared;
+    EdgeIndexHeader header =
+      isosurface::DescribeContourBlocks(blocks, writer.ArrayError, writer.NormalError);
+    header.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(writer.Mode);
+    header.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(writer.Profile);
+    header.Settings.MaximumError = writer.MaximumError;
+    header.Settings.QuantizationBits = writer.QuantizationBits;
+    SetQuantizationRange(blocks, header.Settings);
+    for (header.PreviewLevel = writer.PreviewLevel;
+         header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize;)
+    {
+      --header.PreviewLevel;
+    }
+    return header;
+  };
+  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, describe);
 }
 
 //------------------------------------------------------------------------------
@@ -294,8 +296,12 @@ isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings(
 Status vtkEdgeIndexWriter::Steps::WriteStep(
   const std::optional<double>& time, const std::string& path)
 {
-  return isosurface::RunWithContourBlocks(&this->Writer, this->Ranks,
-    [&](ContourBlocks& blocks) { return this->WriteOnce(time, path, blocks); });
+  return isosurface::RunCollective(path,
+    [&]
+    {
+      return isosurface::RunWithContourBlocks(&this->Writer, this->Ranks,
+        [&](ContourBlocks& blocks) { return this->WriteOnce(time, path, blocks); });
+    });
 }
 
 //------------------------------------------------------------------------------

@@ -5,6 +5,7 @@
 
 #include "ControllerCommunicator.h"
 #include "ScratchFolder.h"
+#include "ShortMemory.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
@@ -15,61 +16,9 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Verification/VolumeVerification.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <new>
-
-namespace
-{
-
-/// Of a thread in a collective: the larger allocations until one fails; below 0: none does.
-thread_local long BuffersLeft = -1;
-bool HasLacked = false;
-
-void* AllocateBuffer(std::size_t size)
-{
-  if (BuffersLeft >= 0 && size >= isosurface::ControllerCommunicator::AgreedBytes &&
-    BuffersLeft-- == 0)
-  {
-    HasLacked = true;
-    throw std::bad_alloc();
-  }
-  void* memory = std::malloc(size == 0 ? 1 : size);
-  if (!memory)
-  {
-    throw std::bad_alloc();
-  }
-  return memory;
-}
-
-} // namespace
-
-void* operator new(std::size_t size)
-{
-  return AllocateBuffer(size);
-}
-void* operator new[](std::size_t size)
-{
-  return AllocateBuffer(size);
-}
-void operator delete(void* memory) noexcept
-{
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept
-{
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept
-{
-  std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept
-{
-  std::free(memory);
-}
 
 using namespace isosurface;
 
@@ -83,6 +32,7 @@ public:
   /// `buffer`: its number, from 0; below 0: none.
   explicit StarvedRanks(long buffer)
     : ControllerCommunicator(::GetRanks())
+    , IsStarved(buffer >= 0)
     , Left(buffer)
   {
   }
@@ -113,22 +63,26 @@ public:
     return this->ControllerCommunicator::Exchange(std::move(outgoing));
   }
 
+  bool HasLacked() const { return this->IsStarved && this->Left < 0; }
+
 private:
-  /// Counts buffers while a collective lasts.
+  /// While a collective lasts.
   class Hunger
   {
   public:
     explicit Hunger(long& left)
       : Left(left)
+      , Shortage(left, MemoryShortage::Of::Thread)
     {
-      BuffersLeft = left;
     }
-    ~Hunger() { this->Left = std::exchange(BuffersLeft, -1); }
+    ~Hunger() { this->Left -= MemoryShortage::Count(); }
 
   private:
     long& Left;
+    MemoryShortage Shortage;
   };
 
+  bool IsStarved;
   long Left;
 };
 
@@ -168,10 +122,9 @@ void ForEachBuffer(const std::string& path, long step, const Deed& deed)
     long buffer = odd % step;
     for (; lacked != 0 && buffer < 1000; buffer += step)
     {
-      HasLacked = false;
       StarvedRanks ranks(GetRank() == odd ? buffer : -1);
       const Status status = deed(ranks);
-      lacked = SumOverRanks(HasLacked ? 1 : 0);
+      lacked = SumOverRanks(ranks.HasLacked() ? 1 : 0);
       const std::string expected =
         lacked == 0 ? "" : path + ": a rank has not enough memory for the messages between ranks";
       EXPECT_EQ(status.GetMessage(), expected) << "buffer " << buffer << " of rank " << odd;

@@ -2,6 +2,7 @@
 #include "Ground/Base/AvailableMemory.h"
 
 #include <fstream>
+#include <new>
 #include <optional>
 #include <string>
 
@@ -32,7 +33,14 @@ std::optional<std::uint64_t> ReadAvailable(const std::string& path)
 
 std::uint64_t GetAvailableMemory()
 {
-  return ReadAvailable("/proc/meminfo").value_or(0);
+  try
+  {
+    return ReadAvailable("/proc/meminfo").value_or(0);
+  }
+  catch (const std::bad_alloc&)
+  {
+    return 1; // not even enough to ask
+  }
 }
 
 } // namespace isosurface

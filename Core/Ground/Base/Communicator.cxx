@@ -91,7 +91,8 @@ Status Communicator::Agree(const Status& mine)
     message[0] = static_cast<std::uint8_t>(mine.GetCode());
     std::copy(text.begin(), text.end(), message.begin() + 1);
   }
-  return ChooseError(mine, this->AllGather(message));
+  return RunCollective(
+    "a rank failed", [&] { return ChooseError(mine, this->AllGather(message)); });
 }
 
 Status Communicator::Agree(const Status& mine, const std::vector<CommonValue>& values)

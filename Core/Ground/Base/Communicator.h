@@ -36,10 +36,10 @@ public:
   const char* what() const noexcept override;
 };
 
-/// Runs collective steps. NoMemoryForMessages is an error of all ranks then, OutOfMemory: `path`, and
-/// the reason.
+/// Runs collective steps. NoMemoryForMessages is an error of all ranks then, OutOfMemory: `context`, a
+/// path or what cannot be done, and the reason.
 template <typename Steps>
-auto RunCollective(const std::string& path, const Steps& steps) -> decltype(steps())
+auto RunCollective(const std::string& context, const Steps& steps) -> decltype(steps())
 {
   try
   {
@@ -47,7 +47,7 @@ auto RunCollective(const std::string& path, const Steps& steps) -> decltype(step
   }
   catch (const NoMemoryForMessages& exception)
   {
-    return Status(StatusCode::OutOfMemory, path + ": " + exception.what());
+    return Status(StatusCode::OutOfMemory, context + ": " + exception.what());
   }
 }
 
@@ -121,6 +121,14 @@ public:
 private:
   Status NameDifference(const CommonValue& mine);
 };
+
+/// Runs a step on each rank, which is not collective; then all agree on how it ended. A shortage of
+/// memory or of threads is an error like others (Attempt).
+template <typename Step>
+Status AttemptOnAll(Communicator& ranks, const std::string& context, const Step& step)
+{
+  return ranks.Agree(Attempt(context, step));
+}
 
 /// A group of one rank.
 class SerialCommunicator : public Communicator

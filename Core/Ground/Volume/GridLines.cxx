@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Volume/GridLines.h"
 
+#include "Ground/Volume/GridUnion.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -134,6 +136,38 @@ LinedGrid UnitePieces(
   return whole;
 }
 
+/// `messages`: of each rank, its pieces. `numbers`: those of the pieces of one rank.
+std::vector<LinedGrid> UniteReceived(const std::vector<Message>& messages, std::size_t own,
+  std::size_t piecesOfOwn, std::vector<std::size_t>& numbers)
+{
+  std::vector<LinedGrid> all;
+  std::size_t firstOfOwn = 0;
+  for (std::size_t rank = 0; rank < messages.size(); ++rank)
+  {
+    firstOfOwn = rank == own ? all.size() : firstOfOwn;
+    const std::vector<LinedGrid> read = ReadPieces(messages[rank]);
+    all.insert(all.end(), read.begin(), read.end());
+  }
+  const std::vector<std::size_t> owners = FindOwners(all);
+  std::vector<LinedGrid> united;
+  std::vector<std::size_t> places(all.size());
+  for (std::size_t first = 0; first < all.size(); ++first)
+  {
+    if (owners[first] != first)
+    {
+      continue;
+    }
+    places[first] = united.size();
+    united.push_back(UnitePieces(all, owners, first));
+  }
+  numbers.clear();
+  for (std::size_t piece = 0; piece < piecesOfOwn; ++piece)
+  {
+    numbers.push_back(places[owners[firstOfOwn + piece]]);
+  }
+  return united;
+}
+
 } // namespace
 
 Status GridLines::Check(const Index3& dimensions) const
@@ -212,40 +246,28 @@ GridGeometry GridLines::MakeFrame(const GridGeometry& grid, const VertexBox& box
   return frame;
 }
 
-std::vector<LinedGrid> UniteLinedGrids(
+Result<std::vector<LinedGrid>> UniteLinedGrids(
   Communicator& ranks, const std::vector<LinedGrid>& pieces, std::vector<std::size_t>& numbers)
 {
   Message mine;
-  for (const LinedGrid& piece : pieces)
+  const auto pack = [&]
   {
-    AppendPiece(piece, mine);
-  }
-  std::vector<LinedGrid> all;
-  std::size_t firstOfMine = 0;
-  const std::vector<Message> messages = ranks.AllGather(mine);
-  for (std::size_t rank = 0; rank < messages.size(); ++rank)
-  {
-    firstOfMine = rank == static_cast<std::size_t>(ranks.GetRank()) ? all.size() : firstOfMine;
-    const std::vector<LinedGrid> read = ReadPieces(messages[rank]);
-    all.insert(all.end(), read.begin(), read.end());
-  }
-  const std::vector<std::size_t> owners = FindOwners(all);
-  std::vector<LinedGrid> united;
-  std::vector<std::size_t> places(all.size());
-  for (std::size_t first = 0; first < all.size(); ++first)
-  {
-    if (owners[first] != first)
+    for (const LinedGrid& piece : pieces)
     {
-      continue;
+      AppendPiece(piece, mine);
     }
-    places[first] = united.size();
-    united.push_back(UnitePieces(all, owners, first));
-  }
-  numbers.clear();
-  for (std::size_t piece = 0; piece < pieces.size(); ++piece)
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, pack));
+  const std::vector<Message> messages = ranks.AllGather(mine);
+  std::vector<LinedGrid> united;
+  const auto unite = [&]
   {
-    numbers.push_back(places[owners[firstOfMine + piece]]);
-  }
+    united =
+      UniteReceived(messages, static_cast<std::size_t>(ranks.GetRank()), pieces.size(), numbers);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, unite));
   return united;
 }
 

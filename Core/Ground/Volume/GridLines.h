@@ -48,9 +48,9 @@ struct LinedGrid
 /**
  * The rectilinear grids of which all ranks have pieces. Pieces that meet belong to one grid if they
  * have the same lines where they meet; its extent is the box around them. The same list on all
- * ranks; `numbers` are those of this rank's pieces in it. Collective.
+ * ranks; `numbers` are those of this rank's pieces in it. Collective. Error of any rank: OutOfMemory.
  */
-std::vector<LinedGrid> UniteLinedGrids(
+Result<std::vector<LinedGrid>> UniteLinedGrids(
   Communicator& ranks, const std::vector<LinedGrid>& pieces, std::vector<std::size_t>& numbers);
 
 } // namespace isosurface

@@ -17,18 +17,11 @@ auto GetFrame(const GridGeometry& grid)
   return std::tie(grid.Origin, grid.Spacing, grid.Direction);
 }
 
-} // namespace
-
-std::vector<GridGeometry> UniteGrids(Communicator& ranks, const std::vector<GridGeometry>& pieces)
+// `messages`: of each rank, its pieces.
+std::vector<GridGeometry> UniteReceived(const std::vector<Message>& messages)
 {
-  static_assert(std::is_trivially_copyable_v<GridGeometry>, "grids travel as bytes");
-  Message mine(pieces.size() * sizeof(GridGeometry));
-  if (!mine.empty())
-  {
-    std::memcpy(mine.data(), pieces.data(), mine.size());
-  }
   std::vector<GridGeometry> all;
-  for (const Message& message : ranks.AllGather(mine))
+  for (const Message& message : messages)
   {
     for (std::size_t at = 0; at + sizeof(GridGeometry) <= message.size();
          at += sizeof(GridGeometry))
@@ -52,6 +45,31 @@ std::vector<GridGeometry> UniteGrids(Communicator& ranks, const std::vector<Grid
       extent[2 * axis + 1] = std::max(extent[2 * axis + 1], grid.Extent[2 * axis + 1]);
     }
   }
+  return united;
+}
+
+} // namespace
+
+Result<std::vector<GridGeometry>> UniteGrids(
+  Communicator& ranks, const std::vector<GridGeometry>& pieces)
+{
+  static_assert(std::is_trivially_copyable_v<GridGeometry>, "grids travel as bytes");
+  Message mine;
+  const auto pack = [&]
+  {
+    const auto* from = reinterpret_cast<const std::uint8_t*>(pieces.data());
+    mine.assign(from, from + pieces.size() * sizeof(GridGeometry));
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, pack));
+  const std::vector<Message> messages = ranks.AllGather(mine);
+  std::vector<GridGeometry> united;
+  const auto unite = [&]
+  {
+    united = UniteReceived(messages);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, unite));
   return united;
 }
 

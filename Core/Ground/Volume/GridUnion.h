@@ -3,6 +3,7 @@
 #define isosurface_GridUnion_h
 
 #include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
 #include "Ground/Volume/GridGeometry.h"
 
 #include <cstddef>
@@ -11,12 +12,16 @@
 namespace isosurface
 {
 
+/// What an error of a shortage of memory says.
+constexpr const char* NoMemoryForGrids = "the grids of all ranks cannot be united";
+
 /**
  * The grids of which all ranks have pieces. Pieces of equal origin, spacing and direction belong to
  * one grid, whose extent is the box around them. The grids are ordered by origin, spacing and
- * direction, so that all ranks get the same list. Collective.
+ * direction, so that all ranks get the same list. Collective. Error of any rank: OutOfMemory.
  */
-std::vector<GridGeometry> UniteGrids(Communicator& ranks, const std::vector<GridGeometry>& pieces);
+Result<std::vector<GridGeometry>> UniteGrids(
+  Communicator& ranks, const std::vector<GridGeometry>& pieces);
 
 /// The number of a piece's grid in that list.
 std::size_t FindGrid(const std::vector<GridGeometry>& grids, const GridGeometry& piece);

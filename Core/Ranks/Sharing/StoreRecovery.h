@@ -33,13 +33,14 @@ Status RunWithReplicas(
     {
       return mine;
     }
-    const StoreNews news = volume->ShareStoreFaults(ranks);
-    if (!news.Warning.empty())
+    const auto news = volume->ShareStoreFaults(ranks);
+    ISOSURFACE_RETURN_IF_ERROR(news.GetStatus());
+    if (!news->Warning.empty())
     {
-      warning += (warning.empty() ? "" : "; ") + news.Warning;
+      warning += (warning.empty() ? "" : "; ") + news->Warning;
     }
     Status all = ranks.Agree(mine);
-    if (all.IsOk() || all.GetCode() == StatusCode::Aborted || !news.IsNew)
+    if (all.IsOk() || all.GetCode() == StatusCode::Aborted || !news->IsNew)
     {
       return all;
     }

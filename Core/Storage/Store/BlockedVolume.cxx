@@ -211,7 +211,7 @@ Status BlockedVolume::CheckSource(std::size_t timeStep)
   return this->Stores->CheckSource(timeStep);
 }
 
-StoreNews BlockedVolume::ShareStoreFaults(Communicator& ranks)
+Result<StoreNews> BlockedVolume::ShareStoreFaults(Communicator& ranks)
 {
   StoreNews news;
   if (this->GetHeader().NumberOfReplicas == 1)
@@ -219,11 +219,29 @@ StoreNews BlockedVolume::ShareStoreFaults(Communicator& ranks)
     return news;
   }
   StoreFaults& faults = this->Stores->GetFaults();
-  const std::vector<StoreFault> found = faults.Join(ranks.AllGather(faults.Pack()));
-  news.IsNew = !found.empty();
-  this->FaultEpoch += found.size();
-  news.Warning = this->Stores->DescribeNews(found);
-  return news;
+  const std::string context = this->GetPath() + ": lost stores cannot be told to all ranks";
+  return RunCollective(context,
+    [&]() -> Result<StoreNews>
+    {
+      Message mine;
+      const auto pack = [&]
+      {
+        mine = faults.Pack();
+        return Status::Ok();
+      };
+      ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, pack));
+      const std::vector<Message> all = ranks.AllGather(mine);
+      const auto join = [&]
+      {
+        const std::vector<StoreFault> found = faults.Join(all);
+        news.IsNew = !found.empty();
+        this->FaultEpoch += found.size();
+        news.Warning = this->Stores->DescribeNews(found);
+        return Status::Ok();
+      };
+      ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, join));
+      return news;
+    });
 }
 
 Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& reference,

@@ -96,9 +96,9 @@ public:
    * Tells all ranks which replicas of stores were found to be lost or damaged since the last call.
    * From then on the ranks share the blocks among the others. A query that failed on a rank may
    * succeed now if something is new: a rank whose stores are lost leaves their blocks to others.
-   * Collective, unless there are no replicas.
+   * Collective, unless there are no replicas. Error of all ranks: OutOfMemory.
    */
-  StoreNews ShareStoreFaults(Communicator& ranks);
+  Result<StoreNews> ShareStoreFaults(Communicator& ranks);
   /// Ok unless the time step's samples are in a file that is open, and was changed since it was
   /// indexed: what the block cache has is of the file as it was. Corrupt. Cost: a look at its files.
   Status CheckSource(std::size_t timeStep);

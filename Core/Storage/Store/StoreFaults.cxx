@@ -43,6 +43,25 @@ StoreFault Take(ByteReader& reader)
   return fault;
 }
 
+std::vector<StoreFault> TakeAll(const std::vector<Message>& messages)
+{
+  std::vector<StoreFault> faults;
+  for (const Message& bytes : messages)
+  {
+    ByteReader reader(bytes);
+    while (reader.GetRemaining() > 0)
+    {
+      StoreFault fault = Take(reader);
+      if (reader.HasFailed())
+      {
+        break;
+      }
+      faults.push_back(std::move(fault));
+    }
+  }
+  return faults;
+}
+
 } // namespace
 
 void StoreFaults::Add(StoreFault fault)
@@ -100,7 +119,7 @@ bool StoreFaults::IsEmpty() const
   return this->Known.empty();
 }
 
-Message StoreFaults::Pack()
+Message StoreFaults::Pack() const
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   const std::size_t count = std::min(MaximumOfMessage, this->Found.size());
@@ -109,32 +128,30 @@ Message StoreFaults::Pack()
   {
     Append(bytes, this->Found[index]);
   }
-  this->Found.erase(this->Found.begin(), this->Found.begin() + static_cast<std::ptrdiff_t>(count));
   return bytes;
 }
 
 std::vector<StoreFault> StoreFaults::Join(const std::vector<Message>& ofRanks)
 {
-  const std::lock_guard<std::mutex> lock(this->Mutex);
+  // All that takes much memory comes first: ranks that know different faults share blocks differently.
+  const std::vector<StoreFault> told = TakeAll(ofRanks);
   std::vector<StoreFault> news;
-  for (const Message& bytes : ofRanks)
+  news.reserve(told.size());
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  for (const StoreFault& fault : told)
   {
-    ByteReader reader(bytes);
-    while (reader.GetRemaining() > 0)
+    const Key key = { fault.Where, fault.Ordinal };
+    this->Known.insert(key);
+    if (this->Common.insert(key).second)
     {
-      StoreFault fault = Take(reader);
-      if (reader.HasFailed())
-      {
-        break;
-      }
-      const Key key = { fault.Where, fault.Ordinal };
-      this->Known.insert(key);
-      if (this->Common.insert(key).second)
-      {
-        news.push_back(std::move(fault));
-      }
+      news.push_back(fault);
     }
   }
+  const auto isTold = [this](const StoreFault& fault) {
+    return this->Common.count({ fault.Where, fault.Ordinal }) != 0;
+  };
+  this->Found.erase(
+    std::remove_if(this->Found.begin(), this->Found.end(), isTold), this->Found.end());
   return news;
 }
 

@@ -75,8 +75,8 @@ public:
   /// Whether there is a fault at all, so that most queries need no look at each block.
   bool IsEmpty() const;
 
-  /// What this rank has found since the last call.
-  Message Pack();
+  /// What this rank has found that is not common yet.
+  Message Pack() const;
   /// Makes what the ranks have packed common: the same messages in the same order on all ranks.
   /// Returns the faults that are new, in their order.
   std::vector<StoreFault> Join(const std::vector<Message>& ofRanks);

@@ -3,7 +3,6 @@
 
 #include "Ground/Base/Coding.h"
 #include "Ground/Base/ParallelFor.h"
-#include "Ground/Base/WithinMemory.h"
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
@@ -11,6 +10,12 @@
 
 namespace isosurface
 {
+namespace
+{
+
+constexpr const char* NotShared = "the blocks that ranks share cannot be collected";
+
+} // namespace
 
 PieceBlockSource::PieceBlockSource(
   const GridGeometry& geometry, std::vector<GridPiece> pieces, const PieceBlockSelection& selection)
@@ -26,10 +31,25 @@ Result<std::unique_ptr<PieceBlockSource>> PieceBlockSource::Make(Communicator& r
   const GridGeometry& grid, std::vector<GridPiece> pieces, const PieceBlockSelection& selection,
   int threads)
 {
-  std::unique_ptr<PieceBlockSource> source(
-    new PieceBlockSource(grid, std::move(pieces), selection));
-  ISOSURFACE_RETURN_IF_ERROR(source->GatherPieces(ranks));
-  source->FindBlocks(ranks, selection.Region, threads);
+  std::unique_ptr<PieceBlockSource> source;
+  Message mine;
+  const auto describe = [&]
+  {
+    source.reset(new PieceBlockSource(grid, std::move(pieces), selection));
+    return source->DescribePieces(mine);
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotShared, describe));
+  const std::vector<Message> all = ranks.AllGather(mine);
+  CommonRanges ranges;
+  const auto find = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(source->AddPieces(all));
+    source->FindBlocks(ranks.GetRank(), selection.Region, threads);
+    source->FindSharedRanges(ranks.GetRank(), ranges);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotShared, find));
+  ranges.Join(ranks);
   ISOSURFACE_RETURN_IF_ERROR(source->CollectShared(ranks));
   return source;
 }
@@ -44,27 +64,7 @@ std::vector<SampleView> PieceBlockSource::GetViews(std::size_t piece) const
   return views;
 }
 
-Status PieceBlockSource::GatherPieces(Communicator& ranks)
-{
-  Message mine;
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->DescribePieces(mine)));
-  const std::vector<Message> all = ranks.AllGather(mine);
-  for (std::size_t rank = 0; rank < all.size(); ++rank)
-  {
-    if (!all[rank].empty())
-    {
-      ISOSURFACE_RETURN_IF_ERROR(this->AddPieces(all[rank], static_cast<int>(rank)));
-    }
-  }
-  if (this->Types.empty())
-  {
-    return { StatusCode::InvalidArgument, "the input has no samples" };
-  }
-  this->Thresholds = FindThresholdKeys(this->Types.front(), this->Isovalues);
-  return Status::Ok();
-}
-
-// The message of GatherPieces, all int64. With n pieces on the rank, 0 without:
+// The message, all int64. With n pieces on the rank, 0 without:
 //
 //     +--------------------------------------------------+
 //     | components of all arrays, scalars first      (c) |
@@ -103,7 +103,24 @@ Status PieceBlockSource::DescribePieces(Message& message) const
   return Status::Ok();
 }
 
-Status PieceBlockSource::AddPieces(const Message& message, int rank)
+Status PieceBlockSource::AddPieces(const std::vector<Message>& messages)
+{
+  for (std::size_t rank = 0; rank < messages.size(); ++rank)
+  {
+    if (!messages[rank].empty())
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->AddPiecesOf(static_cast<int>(rank), messages[rank]));
+    }
+  }
+  if (this->Types.empty())
+  {
+    return { StatusCode::InvalidArgument, "the input has no samples" };
+  }
+  this->Thresholds = FindThresholdKeys(this->Types.front(), this->Isovalues);
+  return Status::Ok();
+}
+
+Status PieceBlockSource::AddPiecesOf(int rank, const Message& message)
 {
   ByteReader reader(message.data(), message.size());
   const auto components = reader.Read<std::int64_t>();
@@ -139,9 +156,9 @@ bool PieceBlockSource::IsActive(const KeyRange& range) const
     [&range](ValueKey threshold) { return range.Straddles(threshold); });
 }
 
-// Sorts the blocks of the region into those within a piece, of which the own ones are kept, and
-// shared ones, and finds which are active.
-void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int threads)
+// Sorts the blocks of the region into those within a piece, of which the own active ones are kept, and
+// shared ones.
+void PieceBlockSource::FindBlocks(int rank, const Region& region, int threads)
 {
   std::vector<std::pair<std::int64_t, std::size_t>> whole; // own blocks and their pieces
   for (std::int64_t number = 0; number < this->Grid.GetNumberOfBlocks(); ++number)
@@ -161,7 +178,7 @@ void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int
     const std::size_t owner = find([&](const VertexBox& box) { return box.Contains(samples); });
     if (owner < this->Boxes.size())
     {
-      if (this->AllPieces[owner].Rank == ranks.GetRank())
+      if (this->AllPieces[owner].Rank == rank)
       {
         whole.emplace_back(number, this->AllPieces[owner].Number);
       }
@@ -196,13 +213,11 @@ void PieceBlockSource::FindBlocks(Communicator& ranks, const Region& region, int
       this->Places.push_back({ false, whole[n].second });
     }
   }
-  this->KeepActive(ranks);
 }
 
-// Finds the ranges of the shared blocks, and drops those that are not active.
-void PieceBlockSource::KeepActive(Communicator& ranks)
+// Adds the ranges of the shared blocks' samples that this rank has, and that of all its samples.
+void PieceBlockSource::FindSharedRanges(int rank, CommonRanges& common)
 {
-  CommonRanges common;
   common.Add(this->Finite);
   for (SharedBlock& block : this->Shared)
   {
@@ -210,7 +225,7 @@ void PieceBlockSource::KeepActive(Communicator& ranks)
     {
       const PlacedPiece& piece = this->AllPieces[supply.Piece];
       const VertexBox own = supply.Box.Intersect(this->Grid.GetVertices(block.Number));
-      if (piece.Rank == ranks.GetRank() && !own.IsEmpty())
+      if (piece.Rank == rank && !own.IsEmpty())
       {
         block.Range.Add(FindSampleRange(this->Pieces[piece.Number].Scalars, own));
       }
@@ -218,7 +233,11 @@ void PieceBlockSource::KeepActive(Communicator& ranks)
     common.Add(block.Range.All);
     common.Add(block.Range.Finite);
   }
-  common.Join(ranks);
+}
+
+// Once the ranges are those of all ranks.
+void PieceBlockSource::DropInactive()
+{
   for (const SharedBlock& block : this->Shared)
   {
     this->Finite.Add(block.Range.Finite);
@@ -232,22 +251,28 @@ void PieceBlockSource::KeepActive(Communicator& ranks)
 // Brings the samples of the shared active blocks to their owners.
 Status PieceBlockSource::CollectShared(Communicator& ranks)
 {
+  this->DropInactive();
   const auto hasGap = [](const SharedBlock& block) { return block.HasGap; };
   if (std::any_of(this->Shared.begin(), this->Shared.end(), hasGap))
   {
     return { StatusCode::InvalidArgument,
       "the images of the input leave gaps in their grid where the isosurface passes" };
   }
-  std::vector<Message> outgoing(static_cast<std::size_t>(ranks.GetSize()));
+  std::vector<Message> outgoing;
   const auto pack = [&]
   {
+    outgoing.resize(static_cast<std::size_t>(ranks.GetSize()));
     this->PackShared(ranks.GetRank(), outgoing);
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(
-    RunWithinMemory("", "there is not enough memory for the blocks that ranks share", pack)));
-  this->PlaceShared(ranks.GetRank(), ranks.Exchange(std::move(outgoing)));
-  return Status::Ok();
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotShared, pack));
+  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
+  const auto place = [&]
+  {
+    this->PlaceShared(ranks.GetRank(), incoming);
+    return Status::Ok();
+  };
+  return AttemptOnAll(ranks, NotShared, place);
 }
 
 // Packs the samples for each rank, and makes room for those that this rank will get.

@@ -55,7 +55,7 @@ public:
    * of the selected blocks.
    *
    * Errors, of any rank: InvalidArgument for pieces of different types, or between which an active
-   * block has a gap.
+   * block has a gap; OutOfMemory.
    */
   static Result<std::unique_ptr<PieceBlockSource>> Make(Communicator& ranks,
     const GridGeometry& grid, std::vector<GridPiece> pieces, const PieceBlockSelection& selection,
@@ -108,12 +108,14 @@ private:
 
   PieceBlockSource(const GridGeometry& geometry, std::vector<GridPiece> pieces,
     const PieceBlockSelection& selection);
-  Status GatherPieces(Communicator& ranks);
-  /// The message of GatherPieces, of this rank; and adds that of any rank.
+  /// What other ranks need to know of the pieces of this one; and adds the pieces of all ranks.
   Status DescribePieces(Message& message) const;
-  Status AddPieces(const Message& message, int rank);
-  void FindBlocks(Communicator& ranks, const Region& region, int threads);
-  void KeepActive(Communicator& ranks);
+  Status AddPieces(const std::vector<Message>& messages);
+  Status AddPiecesOf(int rank, const Message& message);
+  void FindBlocks(int rank, const Region& region, int threads);
+  void FindSharedRanges(int rank, CommonRanges& common);
+  void DropInactive();
+  /// Collective.
   Status CollectShared(Communicator& ranks);
   void PackShared(int rank, std::vector<Message>& outgoing);
   void PlaceShared(int rank, const std::vector<Message>& incoming);

@@ -27,8 +27,10 @@ struct PlacedPiece
   VertexBox Available;
 };
 
-// By rank, then by number. A message has for each piece: grid and type as int64, both boxes.
-std::vector<PlacedPiece> GatherPieces(Communicator& ranks, const std::vector<LayeredPiece>& pieces)
+constexpr const char* NoLayers = "the layers around the pieces of images cannot be collected";
+
+// For each piece: grid and type as int64, both boxes.
+Message DescribePieces(const std::vector<LayeredPiece>& pieces)
 {
   Message mine;
   for (const LayeredPiece& piece : pieces)
@@ -39,8 +41,13 @@ std::vector<PlacedPiece> GatherPieces(Communicator& ranks, const std::vector<Lay
     AppendBox(mine, box.IsEmpty() ? box : box.AddLayer(piece.Dimensions));
     AppendBox(mine, piece.Scalars.Available);
   }
+  return mine;
+}
+
+// By rank, then by number.
+std::vector<PlacedPiece> ReadPieces(const std::vector<Message>& messages)
+{
   std::vector<PlacedPiece> all;
-  const std::vector<Message> messages = ranks.AllGather(mine);
   for (std::size_t rank = 0; rank < messages.size(); ++rank)
   {
     ByteReader reader(messages[rank]);
@@ -108,15 +115,24 @@ PieceLayers::Part MakeRoom(const LayeredPiece& piece, const Supply& supply, std:
 Result<PieceLayers> PieceLayers::Collect(
   Communicator& ranks, const std::vector<LayeredPiece>& pieces)
 {
-  const std::vector<PlacedPiece> all = GatherPieces(ranks, pieces);
+  Message mine;
+  const auto describe = [&]
+  {
+    mine = DescribePieces(pieces);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoLayers, describe));
+  const std::vector<Message> messages = ranks.AllGather(mine);
   const auto own = static_cast<std::size_t>(ranks.GetRank());
-  std::vector<Message> outgoing(static_cast<std::size_t>(ranks.GetSize()));
+  std::vector<Message> outgoing;
   bool isAnyNeeded = false; // the same on all ranks
   PieceLayers layers;
-  layers.Parts.resize(pieces.size());
   // Packs what other pieces need of this rank's, and makes room for what its own ones need.
   const auto pack = [&]
   {
+    const std::vector<PlacedPiece> all = ReadPieces(messages);
+    outgoing.resize(messages.size());
+    layers.Parts.resize(pieces.size());
     for (const PlacedPiece& piece : all)
     {
       for (const Supply& supply : FindLayer(all, piece))
@@ -135,8 +151,7 @@ Result<PieceLayers> PieceLayers::Collect(
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(
-    ranks.Agree(Attempt("the layers around the pieces of images cannot be collected", pack)));
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoLayers, pack));
   if (isAnyNeeded)
   {
     layers.Place(ranks.Exchange(std::move(outgoing)));

@@ -20,12 +20,7 @@ Status MakeAborted()
   return Status(StatusCode::Aborted, "The computation of the spectrum was aborted.");
 }
 
-// A step of one rank that needs memory. An error of one rank is one of all.
-template <typename Step>
-Status AttemptOnAll(Communicator& ranks, Step&& step)
-{
-  return ranks.Agree(Attempt("the samples of the spectrum cannot be counted", step));
-}
+constexpr const char* NotCounted = "the samples of the spectrum cannot be counted";
 
 } // namespace
 
@@ -124,7 +119,7 @@ Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, find));
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, find));
   common.Join(ranks);
   return Status::Ok();
 }
@@ -193,15 +188,20 @@ Result<WorkloadSpectrum> GridSpectrum::Count(
     sums = counted.front().Sums.GetNumbers();
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, count));
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, count));
   Counted& sum = counted.front();
   ranks.ReduceSum(sum.Spectrum.Triangles);
   ranks.ReduceSum(sum.Spectrum.ActiveCells);
   ranks.ReduceSum(sums);
-  sum.Sums.SetNumbers(sums);
-  sum.Sums.SetMeasures(sum.Spectrum);
-  sum.Spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid.Geometry);
-  sum.Spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid.Geometry);
+  const auto take = [&]
+  {
+    sum.Sums.SetNumbers(sums);
+    sum.Sums.SetMeasures(sum.Spectrum);
+    sum.Spectrum.AreaUnit = BlockMeasure::GetAreaUnit(this->Grid.Geometry);
+    sum.Spectrum.VolumeUnit = BlockMeasure::GetVolumeUnit(this->Grid.Geometry);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, take));
   return std::move(sum.Spectrum);
 }
 

@@ -3,6 +3,7 @@
 #include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/LongTests.h"
 #include "Fixtures/PlainContour.h"
+#include "Fixtures/Require.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 #include "Formats/Opener/ForeignVolume.h"
@@ -166,7 +167,8 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
       QueryStatistics statistics;
       EXPECT_EQ(Contour(*volume, 2, isDealt, statistics), expected);
       SerialCommunicator alone;
-      EXPECT_NE(volume->ShareStoreFaults(alone).Warning.find("store 1:"), std::string::npos);
+      EXPECT_NE(
+        Require(volume->ShareStoreFaults(alone)).Warning.find("store 1:"), std::string::npos);
     }
     EXPECT_FALSE(made.Verify().Faults.empty());
     const auto repaired = Require(RepairBlockedVolume(VolumePath, made.Disk, 2));
@@ -183,7 +185,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
   EXPECT_EQ(active.GetStatus().GetMessage().find("nor can"), std::string::npos)
     << active.GetStatus().GetMessage();
   SerialCommunicator alone;
-  EXPECT_FALSE(volume->ShareStoreFaults(alone).IsNew);
+  EXPECT_FALSE(Require(volume->ShareStoreFaults(alone)).IsNew);
 }
 
 TEST(VolumeInPlace, StoresHaveHeadersOfSegmentsAlone)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Volume/GridUnion.h"
 
+#include "Fixtures/Require.h"
 #include "Fixtures/ThreadCommunicator.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +34,8 @@ TEST(GridUnion, PiecesOfOneFrameBecomeOneGridOnAllRanks)
   ThreadCommunicator::Run(3,
     [&](Communicator& ranks)
     {
-      const auto grids = UniteGrids(ranks, pieces[static_cast<std::size_t>(ranks.GetRank())]);
+      const auto grids =
+        Require(UniteGrids(ranks, pieces[static_cast<std::size_t>(ranks.GetRank())]));
       ASSERT_EQ(grids.size(), 2U);
       EXPECT_EQ(grids[0], MakePiece(1, { 5, 6, 5, 6, 5, 6 }));
       EXPECT_EQ(grids[1], MakePiece(7, { 0, 11, -2, 9, -3, 2 }));
@@ -45,5 +47,5 @@ TEST(GridUnion, PiecesOfOneFrameBecomeOneGridOnAllRanks)
 TEST(GridUnion, NoPiecesAreNoGrids)
 {
   ThreadCommunicator::Run(
-    2, [](Communicator& ranks) { EXPECT_TRUE(UniteGrids(ranks, {}).empty()); });
+    2, [](Communicator& ranks) { EXPECT_TRUE(Require(UniteGrids(ranks, {})).empty()); });
 }
