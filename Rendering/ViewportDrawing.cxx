@@ -3,6 +3,7 @@
 
 #include "DrawTextures.h"
 #include "OpenGLFunctions.h"
+#include "Ranks/Compositing/FixedDepths.h"
 #include "SceneProjection.h"
 
 #include "vtkCamera.h"
@@ -14,7 +15,9 @@
 #include "vtkRenderState.h"
 #include "vtkRenderer.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <exception>
 #include <new>
 
@@ -66,6 +69,44 @@ void ClearRectangle(vtkOpenGLState* gl, const PixelRectangle& rectangle, GLbitfi
   if ((buffers & GL_DEPTH_BUFFER_BIT) != 0)
   {
     textures.ClearDepths(rectangle);
+  }
+}
+
+GLint GetDepthProperty(GLenum property)
+{
+  GLint value = 0;
+  glGetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, property, &value);
+  return value;
+}
+
+bool HasFixedDepths()
+{
+  GLint framebuffer = 0;
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &framebuffer);
+  return framebuffer != 0 && GetDepthProperty(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) != GL_NONE &&
+    GetDepthProperty(GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE) == 32 &&
+    GetDepthProperty(GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_UNSIGNED_NORMALIZED;
+}
+
+// Reads depths of the current framebuffer. Software renderers copy its numbers several times as
+// fast as they convert them one by one; here that is done in bands that fit in the cache.
+void ReadDepths(const PixelRectangle& from, float* depths)
+{
+  if (!HasFixedDepths())
+  {
+    glReadPixels(from.X, from.Y, from.Width, from.Height, GL_DEPTH_COMPONENT, GL_FLOAT, depths);
+    return;
+  }
+  constexpr int pixelsOfBand = 1 << 17;
+  const int rows = std::max(1, pixelsOfBand / from.Width);
+  for (int y = from.Y; y < from.GetTop(); y += rows)
+  {
+    const int height = std::min(rows, from.GetTop() - y);
+    const std::size_t count =
+      static_cast<std::size_t>(height) * static_cast<std::size_t>(from.Width);
+    glReadPixels(from.X, y, from.Width, height, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, depths);
+    ConvertFixedDepths(depths, count);
+    depths += count;
   }
 }
 
@@ -217,8 +258,7 @@ ImageView ViewportDrawing::Read(const vtkRenderState* state, const Viewport& vie
   }
   glReadPixels(blocks.X, blocks.Y, blocks.Width, blocks.Height, GL_RGBA, GL_UNSIGNED_BYTE,
     this->Colors.data());
-  glReadPixels(blocks.X, blocks.Y, blocks.Width, blocks.Height, GL_DEPTH_COMPONENT, GL_FLOAT,
-    this->Depths.data());
+  ReadDepths(blocks, this->Depths.data());
   this->UnbindLargeFramebuffer(GetWindow(state));
   return { this->Colors.data(), this->Depths.data(), blocks };
 }
