@@ -7,7 +7,6 @@
 import os
 import re
 import subprocess
-import time
 
 import plugin_testing as testing
 
@@ -18,31 +17,10 @@ class ClientAndServer(testing.TestCase):
             self.skipTest("in a run of its own")
 
     def read_log(self):
-        with open(testing.output("server.log"), errors="replace") as file:
-            return file.read()
+        return testing.read_log(testing.output("server.log"))
 
     def start_server(self, *options):
-        """A server, and its port, which the system chooses."""
-        with open(testing.output("server.log"), "wb") as log:
-            server = subprocess.Popen(
-                [
-                    *testing.arguments.mpiexec.split(),
-                    str(testing.arguments.ranks),
-                    testing.arguments.pvserver,
-                    "--server-port=0",
-                    "--verbosity=1",
-                    *options,
-                ],
-                stdout=log,
-                stderr=subprocess.STDOUT,
-                env=testing.make_mpi_environment(),
-            )
-        deadline = time.monotonic() + testing.WAIT_SECONDS
-        while not (accepts := re.search(r"Accepting connection.*:(\d+)\n", self.read_log())):
-            self.assertIsNone(server.poll(), "the server has ended")
-            self.assertLess(time.monotonic(), deadline, "the server does not start")
-            time.sleep(0.1)
-        return server, int(accepts[1])
+        return testing.start_server(testing.output("server.log"), *options)
 
     def run_client(self, port, script, output="client", options=()):
         here = os.path.dirname(os.path.abspath(__file__))

@@ -14,6 +14,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 import unittest
 import xml.etree.ElementTree
 
@@ -65,6 +66,8 @@ def parse_arguments():
     parser.add_argument("--played", help="the folder of what the GUI plays")
     parser.add_argument("--window-python-path", help="PYTHONPATH of the GUI")
     parser.add_argument("--in-window", action="store_true", help="run the tests of the GUI alone")
+    parser.add_argument("--minutes", type=float, default=10, help="of a test of random deeds")
+    parser.add_argument("--seed", type=int, default=1, help="of its first window")
     parser.add_argument("--python", help="a Python with h5py")
     parser.add_argument("--wall", action="store_true", help="write the tiles of a wall")
     arguments = parser.parse_args()
@@ -140,6 +143,35 @@ def run_on_ranks(script, *script_arguments, options=(), **popen):
     )
 
 
+def read_log(path):
+    with open(path, encoding="utf-8", errors="replace") as file:
+        return file.read()
+
+
+def start_server(log, *options):
+    """A pvserver on all ranks, and its port, which the system chooses."""
+    with open(log, "wb") as file:
+        server = subprocess.Popen(
+            [
+                *arguments.mpiexec.split(),
+                str(arguments.ranks),
+                arguments.pvserver,
+                "--server-port=0",
+                "--verbosity=1",
+                *options,
+            ],
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            env=make_mpi_environment(),
+        )
+    deadline = time.monotonic() + WAIT_SECONDS
+    while not (accepts := re.search(r"Accepting connection.*:(\d+)\n", read_log(log))):
+        assert server.poll() is None, "the server has ended"
+        assert time.monotonic() < deadline, "the server does not start"
+        time.sleep(0.1)
+    return server, int(accepts[1])
+
+
 def run(with_plugin=True):
     """Runs the tests of the main script."""
     parse_arguments()
@@ -186,8 +218,7 @@ def read_state(name, proxy, property_name):
 
 
 def read_window_log():
-    with open(state("window.log"), encoding="utf-8", errors="replace") as file:
-        return file.read()
+    return read_log(state("window.log"))
 
 
 def find_triangles(log):
