@@ -60,13 +60,13 @@ class SampledSigns
 public:
   using Model = SampleModel;
 
-  SampledSigns(NoCoder&, SampleModel& model)
+  explicit SampledSigns(SampleModel& model)
     : Known(model)
   {
   }
   void BeginRow(const SignRowPlace& place) { this->Around.BeginRow(place); }
   bool CodeVertex(
-    bool bit, std::uint32_t own, const SignRow& row, const SignRowsAround& rows, int x)
+    NoCoder&, bool bit, std::uint32_t own, const SignRow& row, const SignRowsAround& rows, int x)
   {
     const bool left = own >> 1 != 0;
     this->Known.Samples.push_back(
