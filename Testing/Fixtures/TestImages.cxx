@@ -4,6 +4,7 @@
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
+#include "vtkFloatArray.h"
 #include "vtkLogger.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
@@ -62,6 +63,17 @@ Field MakeNoise(int levels, unsigned int seed)
 {
   return [levels, engine = std::mt19937(seed)](int, int, int) mutable
   { return static_cast<double>(engine() % static_cast<unsigned int>(levels)); };
+}
+
+void AddHeights(vtkImageData* image)
+{
+  vtkNew<vtkFloatArray> height;
+  height->SetName("height");
+  for (vtkIdType point = 0; point < image->GetNumberOfPoints(); ++point)
+  {
+    height->InsertNextValue(static_cast<float>(image->GetPoint(point)[2]));
+  }
+  image->GetPointData()->AddArray(height);
 }
 
 vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent, Extent own)

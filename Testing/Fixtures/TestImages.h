@@ -34,6 +34,9 @@ Field MakeWaves(double amplitude = 1.0);
 /// Whole numbers from 0 to levels - 1, at random, but the same for the same seed.
 Field MakeNoise(int levels, unsigned int seed);
 
+/// Adds the array "height" of an image's points: their z.
+void AddHeights(vtkImageData* image);
+
 /// The part of an image that lies in an extent. Its cells outside of `own` are marked as ghosts.
 vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent, Extent own);
 vtkSmartPointer<vtkImageData> CutImage(vtkImageData* image, const Extent& extent);

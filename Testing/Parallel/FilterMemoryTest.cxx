@@ -2,17 +2,14 @@
 // One rank of several that runs out of memory in a filter, a reader or a writer, at each of its larger
 // allocations: all ranks tell of one error, none waits, and the next update makes what it should.
 #include "SampledVolumes.h"
-#include "ShortMemory.h"
 
 #include "vtkBlockedVolumeReader.h"
 #include "vtkContourSpectrum.h"
 #include "vtkDistributeIsosurface.h"
 #include "vtkEdgeIndexReader.h"
 #include "vtkEdgeIndexWriter.h"
-#include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkMultiProcessController.h"
-#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkStabbingContour.h"
 #include "vtkVolumeProbe.h"
@@ -20,6 +17,7 @@
 #include "vtkVolumeSlice.h"
 
 #include "Fixtures/LongTests.h"
+#include "Fixtures/MemoryShortage.h"
 
 #include <algorithm>
 #include <functional>
@@ -42,13 +40,7 @@ vtkSmartPointer<vtkImageData> MakeFilteredImage()
       const double value = noise(i, j, k);
       return k > 33 ? value : 2.0 * i + 3.0 * j + k;
     });
-  vtkNew<vtkFloatArray> height;
-  height->SetName("height");
-  for (vtkIdType point = 0; point < image->GetNumberOfPoints(); ++point)
-  {
-    height->InsertNextValue(static_cast<float>(image->GetPoint(point)[2]));
-  }
-  image->GetPointData()->AddArray(height);
+  AddHeights(image);
   return image;
 }
 

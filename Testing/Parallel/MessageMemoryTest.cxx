@@ -5,11 +5,11 @@
 
 #include "ControllerCommunicator.h"
 #include "ScratchFolder.h"
-#include "ShortMemory.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Fixtures/LongTests.h"
+#include "Fixtures/MemoryShortage.h"
 #include "Fixtures/Require.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Formats/Indexing/GrowingIndex.h"

@@ -9,10 +9,8 @@
 #include "vtkEdgeIndexReader.h"
 #include "vtkEdgeIndexWriter.h"
 #include "vtkExecutive.h"
-#include "vtkFloatArray.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
-#include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
@@ -31,13 +29,7 @@ constexpr double AgreedIsovalue = 120.0;
 vtkSmartPointer<vtkImageData> MakeTwoArrays(unsigned int seed = 3)
 {
   auto image = MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, seed));
-  vtkNew<vtkFloatArray> height;
-  height->SetName("height");
-  for (vtkIdType point = 0; point < image->GetNumberOfPoints(); ++point)
-  {
-    height->InsertNextValue(static_cast<float>(image->GetPoint(point)[2]));
-  }
-  image->GetPointData()->AddArray(height);
+  AddHeights(image);
   return image;
 }
 

@@ -63,24 +63,26 @@ private:
   float SmallFirst;
 };
 
+/// Most rows have so many cells; a loop over a constant number becomes a few vectors.
+constexpr std::int64_t UsualCells = 16;
+
 /// Loads the four lines of vertices around a row of cells, whose vertices are `stride` samples apart.
 template <typename T>
 ISOSURFACE_CLONES void LoadCells(const BinCoordinate<T>& coordinate,
   const std::array<const T*, 4>& from, std::ptrdiff_t stride, std::int64_t cells,
   const std::array<float*, 4>& to)
 {
-  constexpr std::int64_t usual = 16;
   for (std::size_t line = 0; line < from.size(); ++line)
   {
     const T* __restrict samples = from[line];
     float* __restrict row = to[line];
-    if (stride == 1 && cells == usual)
+    if (stride == 1 && cells == UsualCells)
     {
-      for (std::int64_t i = 0; i < usual; ++i)
+      for (std::int64_t i = 0; i < UsualCells; ++i)
       {
         row[i] = coordinate(samples[i]);
       }
-      row[usual] = coordinate(samples[usual]);
+      row[UsualCells] = coordinate(samples[UsualCells]);
       continue;
     }
     for (std::int64_t i = 0; i <= cells; ++i)
@@ -270,6 +272,7 @@ template <typename T, typename Coordinate>
 void BlockMeasure::CountRow(const SampleView& samples, const Coordinate& coordinate,
   std::int64_t begin, std::int64_t end, const RowPlace& row)
 {
+  static_assert(UsualCells == CellsAtOnce, "a whole run is the usual row");
   const auto load =
     [&](std::int64_t first, std::int64_t cells, std::array<CellRow, 4>& rows, std::int64_t place)
   {

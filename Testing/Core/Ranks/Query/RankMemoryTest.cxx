@@ -3,64 +3,14 @@
 // an error, none waits. In a process for each, since whatever was begun then is left.
 #include "RankDeeds.h"
 
+#include "Fixtures/MemoryShortage.h"
+
 #include <atomic>
-#include <cstdlib>
-#include <new>
+#include <functional>
+#include <optional>
 
 #include <sys/wait.h>
 #include <unistd.h>
-
-namespace
-{
-
-/// Of the thread that is the rank without memory: the allocations until one fails; below 0: none.
-thread_local long AllocationsLeft = -1;
-thread_local bool HasFailed = false;
-
-/// Smaller ones are so many that only large ones matter in practice.
-constexpr std::size_t LargeBytes = 1024;
-
-void* Allocate(std::size_t size)
-{
-  if (AllocationsLeft >= 0 && size >= LargeBytes && AllocationsLeft-- == 0)
-  {
-    HasFailed = true;
-    throw std::bad_alloc();
-  }
-  void* memory = std::malloc(size == 0 ? 1 : size);
-  if (!memory)
-  {
-    throw std::bad_alloc();
-  }
-  return memory;
-}
-
-} // namespace
-
-void* operator new(std::size_t size)
-{
-  return Allocate(size);
-}
-void* operator new[](std::size_t size)
-{
-  return Allocate(size);
-}
-void operator delete(void* memory) noexcept
-{
-  std::free(memory);
-}
-void operator delete[](void* memory) noexcept
-{
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept
-{
-  std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept
-{
-  std::free(memory);
-}
 
 using namespace isosurface;
 
@@ -96,12 +46,16 @@ protected:
       [&](Communicator& communicator)
       {
         const bool isOdd = communicator.GetRank() == odd;
-        AllocationsLeft = isOdd ? allocation : -1;
-        const Status status = deed(communicator, this->Disk);
-        AllocationsLeft = -1;
-        if (isOdd && HasFailed)
+        std::optional<MemoryShortage> shortage;
+        if (isOdd)
         {
-          hasFailed = true;
+          shortage.emplace(allocation, MemoryShortage::Of::Thread);
+        }
+        const Status status = deed(communicator, this->Disk);
+        if (isOdd)
+        {
+          shortage.reset();
+          hasFailed = MemoryShortage::Count() > allocation;
         }
         successes += status.IsOk() ? 1 : 0;
       });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_Testing_ShortMemory_h
-#define isosurface_Testing_ShortMemory_h
+#ifndef isosurface_Testing_MemoryShortage_h
+#define isosurface_Testing_MemoryShortage_h
 
 namespace isosurface
 {
@@ -28,7 +28,7 @@ public:
   MemoryShortage(const MemoryShortage&) = delete;
   MemoryShortage& operator=(const MemoryShortage&) = delete;
 
-  /// So many allocations were asked for; the one that failed is the last but those after it.
+  /// The allocations since the last one began. One has failed if they are more than its number.
   static long Count();
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ShortMemory.h"
+#include "Fixtures/MemoryShortage.h"
 
 #include <atomic>
 #include <cerrno>
