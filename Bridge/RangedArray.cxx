@@ -21,6 +21,7 @@
 #include "vtkVersionMacros.h"
 
 #include "Ground/Base/Buffer.h"
+#include "Ground/Base/KeptMemory.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -157,11 +158,17 @@ vtkSmartPointer<vtkDataArray> MakeRangedArray(int type)
   }
 }
 
+void AdoptMemory(vtkDataArray* array, void* memory, vtkIdType values)
+{
+  array->SetVoidArray(memory, values, 0, vtkAbstractArray::VTK_DATA_ARRAY_USER_DEFINED);
+  array->SetArrayFreeFunction(&ReleaseMemory);
+}
+
 void AllocateTuples(vtkDataArray* array, vtkIdType tuples)
 {
   const vtkIdType values = tuples * array->GetNumberOfComponents();
   Buffer<std::uint8_t> memory(static_cast<std::size_t>(values * array->GetDataTypeSize()));
-  array->SetVoidArray(memory.Release(), values, 0, vtkAbstractArray::VTK_DATA_ARRAY_FREE);
+  AdoptMemory(array, memory.Release(), values);
 }
 
 } // namespace isosurface

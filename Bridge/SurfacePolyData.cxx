@@ -33,8 +33,7 @@ void Adopt(ArrayT* array, Buffer<T>& buffer)
       (std::is_integral_v<T> && sizeof(typename ArrayT::ValueType) == sizeof(T)),
     "the memory must have the array's type");
   const auto size = static_cast<vtkIdType>(buffer.GetSize());
-  using Value = typename ArrayT::ValueType;
-  array->SetArray(reinterpret_cast<Value*>(buffer.Release()), size, 0, ArrayT::VTK_DATA_ARRAY_FREE);
+  AdoptMemory(array, buffer.Release(), size);
 }
 
 void FillCells(Surface& surface, vtkPolyData* output)
@@ -95,8 +94,7 @@ void FillAttribute(
       static_cast<vtkIdType>(component), description.ComponentNames[component].c_str());
   }
   const std::size_t values = attribute.Bytes.GetSize() / GetValueSize(attribute.Layout.Type);
-  array->SetVoidArray(attribute.Bytes.Release(), static_cast<vtkIdType>(values), 0,
-    vtkAbstractArray::VTK_DATA_ARRAY_FREE);
+  AdoptMemory(array, attribute.Bytes.Release(), static_cast<vtkIdType>(values));
   output->GetPointData()->AddArray(array);
 }
 

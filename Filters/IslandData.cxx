@@ -10,6 +10,8 @@
 #include "vtkNew.h"
 #include "vtkPolyData.h"
 
+#include "RangedArray.h"
+
 #include <cstdio>
 #include <vector>
 
@@ -68,8 +70,7 @@ void AddIslands(ChosenIslands& islands, bool ids, double seconds, vtkPolyData* o
     vtkNew<vtkIdTypeArray> ofCells;
     ofCells->SetName("IslandId");
     const auto cells = static_cast<vtkIdType>(islands.Ids.GetSize());
-    ofCells->SetArray(reinterpret_cast<vtkIdType*>(islands.Ids.Release()), cells, 0,
-      vtkIdTypeArray::VTK_DATA_ARRAY_FREE);
+    AdoptMemory(ofCells, islands.Ids.Release(), cells);
     output->GetCellData()->AddArray(ofCells);
   }
 }

@@ -3,11 +3,11 @@
 #define isosurface_SurfaceArrays_h
 
 #include "Ground/Base/Buffer.h"
+#include "Ground/Base/KeptMemory.h"
 #include "Surface/Contour/Surface.h"
 
 #include <pybind11/numpy.h>
 
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -27,7 +27,7 @@ pybind11::array AdoptBuffer(
     return pybind11::array(type, shape);
   }
   T* const data = buffer.Release();
-  const pybind11::capsule owner(data, [](void* memory) { std::free(memory); });
+  const pybind11::capsule owner(data, [](void* memory) { ReleaseMemory(memory); });
   return pybind11::array(type, shape, data, owner);
 }
 

@@ -2,8 +2,9 @@
 #ifndef isosurface_Buffer_h
 #define isosurface_Buffer_h
 
+#include "Ground/Base/KeptMemory.h"
+
 #include <cstddef>
-#include <cstdlib>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -13,8 +14,8 @@ namespace isosurface
 
 /**
  * An array of fixed size that is not initialised, so that each value is written only once. The
- * memory comes from malloc: Release() can hand it to an owner that calls free(), such as a VTK data
- * array. The constructor throws std::bad_alloc if memory is short.
+ * memory comes from TakeMemory(): Release() can hand it to an owner that calls ReleaseMemory(), such as
+ * a VTK data array. The constructor throws std::bad_alloc if memory is short.
  */
 template <typename T>
 class Buffer
@@ -24,7 +25,7 @@ class Buffer
 public:
   Buffer() = default;
   explicit Buffer(std::size_t size)
-    : Data(size == 0 ? nullptr : static_cast<T*>(std::malloc(Bytes(size))))
+    : Data(size == 0 ? nullptr : static_cast<T*>(TakeMemory(Bytes(size))))
     , Size(size)
   {
     if (size != 0 && !this->Data)
@@ -45,7 +46,7 @@ public:
   }
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
-  ~Buffer() { std::free(this->Data); }
+  ~Buffer() { ReleaseMemory(this->Data); }
 
   T* GetData() { return this->Data; }
   const T* GetData() const { return this->Data; }
@@ -59,7 +60,7 @@ public:
   const T* begin() const { return this->Data; }
   const T* end() const { return this->Data + this->Size; }
 
-  /// Hands over the memory, to be freed by free(). The buffer is empty afterwards.
+  /// Hands over the memory, to be released by ReleaseMemory(). The buffer is empty afterwards.
   T* Release()
   {
     this->Size = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/MemoryShortage.h"
 
+#include "Ground/Base/KeptMemory.h"
+
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
@@ -121,6 +123,7 @@ namespace isosurface
 
 MemoryShortage::MemoryShortage(long allocation, Of whom)
 {
+  FreeKeptMemory(); // which would not be asked for
   Asked = 0;
   Failing = allocation;
   IsOfThread = whom == Of::Thread;
