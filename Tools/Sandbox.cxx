@@ -257,6 +257,10 @@ Status TakeLimits(const SandboxLimits& limits)
   {
     ::_exit(1); // it has ended before; nobody waits
   }
+  for (const int signal : { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT })
+  {
+    std::signal(signal, SIG_DFL); // libraries of MPI print twenty lines of a crash
+  }
   const Status limited = TakeLimits(limits);
   SecondsOfProgress = limits.Seconds;
   // Who calls exit() before the work is done is a library.

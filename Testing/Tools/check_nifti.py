@@ -67,15 +67,16 @@ class Samples(Files):
     def test_ranks_that_see_different_time_steps(self):
         steps = numpy.stack([make_samples("uint8", phase=step) for step in range(3)])
         for first, arguments in ((2, []), (1, ["--time", "4"])):
-            command = [self.mpiexec, "--oversubscribe"]
-            for count in (first, first + 1):
-                folder = self.path(f"{first}-{count}")
+            for rank in (0, 1):
+                folder = self.path(f"{first}-{rank}")
                 os.mkdir(folder)
-                self.save(os.path.join(folder, "t.nii"), steps[:count])
-                command += ["-n", "1", "-wdir", folder, self.tool, "t.nii", self.path("e.bvol"),
-                            *arguments, ":"]
+                self.save(os.path.join(folder, "t.nii"), steps[:first + rank])
+            # Several programs in one command (":") crash the mpiexec of Debian 13.
+            command = [self.mpiexec, "--oversubscribe", "-n", "2",
+                       "sh", "-c", 'cd "$0-$OMPI_COMM_WORLD_RANK" && exec "$@"', self.path(str(first)), self.tool,
+                       "t.nii", self.path("e.bvol"), *arguments]
             with self.subTest(arguments=arguments):
-                result = subprocess.run(command[:-1], text=True, capture_output=True,
+                result = subprocess.run(command, text=True, capture_output=True,
                                         timeout=WAIT_SECONDS)
                 lines = [line for line in result.stderr.splitlines() if "blockvolume:" in line]
                 self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
