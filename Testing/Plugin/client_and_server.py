@@ -111,17 +111,9 @@ class ClientAndServer(testing.TestCase):
     def test_gui_is_the_same_as_without_a_server(self):
         self.run_gui("GuiLoaded.xml", baseline=None)
 
-    def test_progressive_surface_ends_with_the_full_one(self):
-        self.run_client_and_server("progressive.py")
-
-    def test_metabuffer_view_shows_the_stock_image(self):
-        self.run_client_and_server("metabuffer_view.py")
-
-    def test_surfaces_have_the_stock_image(self):
-        self.run_client_and_server("surface_representation.py")
-
-    def test_isosurfaces_have_a_color_each(self):
-        self.run_client_and_server("isosurface_colors.py")
+    def test_images_and_surfaces_are_those_without_a_server(self):
+        scripts = ["metabuffer_view", "isosurface_colors", "progressive"]
+        self.run_client_and_server("surface_representation.py", options=["--also", *scripts])
 
     def test_wall_shows_the_one_big_image_of_the_stock_view(self):
         import numpy

@@ -56,6 +56,7 @@ def parse_arguments():
     parser.add_argument("--baselines")
     parser.add_argument("--ranks", type=int, default=1)
     parser.add_argument("--port", type=int, help="of a pvserver on this machine, to be its client")
+    parser.add_argument("--also", nargs="*", default=[], help="scripts whose tests run in this session, too")
     parser.add_argument("--states", help="the folder of the GUI tests' output")
     parser.add_argument("--xml", help="the folder of the plugin's XML files")
     parser.add_argument("--documentation", help="the folder of the pages for users")
@@ -113,8 +114,8 @@ def read_window(view):
 def make_mpi_environment():
     """For programs that are started under mpiexec: pvpython, itself a rank, leaves Open MPI's
     variables in the environment, with which a second mpiexec does nothing. How ranks reach each other
-    (OMPI_MCA_btl), only the user says."""
-    kept = ("OMPI_ALLOW_", "OMPI_MCA_btl")
+    and wait, only the user says."""
+    kept = ("OMPI_ALLOW_", "OMPI_MCA_btl", "OMPI_MCA_mpi_yield")
     return {
         name: value
         for name, value in os.environ.items()
@@ -173,13 +174,19 @@ def start_server(log, *options):
 
 
 def run(with_plugin=True):
-    """Runs the tests of the main script."""
+    """Runs the tests of the main script and of those that --also names; on import those do nothing."""
+    if arguments:
+        return
     parse_arguments()
     if with_plugin:
         load_plugin()
     # ParaView's own scripts give warnings, of which nobody here can do anything.
     result = unittest.main(
-        argv=sys.argv[:1], verbosity=2, exit=False, warnings="ignore"
+        module=None,
+        argv=[sys.argv[0], "__main__", *arguments.also],
+        verbosity=2,
+        exit=False,
+        warnings="ignore",
     ).result
     # Only a failure may end in sys.exit(): pvbatch then leaves without finalizing MPI.
     if not result.wasSuccessful():
