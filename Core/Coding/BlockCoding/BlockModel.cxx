@@ -36,10 +36,7 @@ SignModel::SignModel(bool mixed)
 {
   if (mixed)
   {
-    for (std::vector<AdaptiveBit>& table : this->Hashed)
-    {
-      table.resize(std::size_t(1) << HashBits);
-    }
+    this->Hashed.resize(SignContexts::NumberOfHashed << SignContexts::HashBits);
   }
   std::transform(NearSignPriors.begin(), NearSignPriors.end(), this->Near.begin(),
     [](std::int8_t prior) { return MakeAdaptiveBit(prior, SignCount); });
@@ -51,10 +48,7 @@ void SignModel::Reset(const SignModel& fresh)
 {
   this->Near = fresh.Near;
   this->Quiet = fresh.Quiet;
-  for (std::vector<AdaptiveBit>& table : this->Hashed)
-  {
-    std::fill(table.begin(), table.end(), AdaptiveBit());
-  }
+  std::fill(this->Hashed.begin(), this->Hashed.end(), AdaptiveBit());
   this->Mixers = fresh.Mixers;
 }
 

@@ -8,11 +8,12 @@ namespace isosurface
 namespace
 {
 
-// The ends of crossed edges within a slice, in row y; beside the row as well.
-SignRow FindWithin(const SignSlice& slice, int y, int sizeX, int sizeY)
+// The ends of crossed edges within a slice, in row y. vertices, edges: those of a row.
+SignRow FindWithin(
+  const SignSlice& slice, int y, int sizeY, const SignRow& vertices, const SignRow& edges)
 {
   const SignRow& row = slice.At(y);
-  const SignRow alongX = (row ^ row.ShiftDown()) & SignRow::MakeMask(sizeX - 1);
+  const SignRow alongX = (row ^ row.ShiftDown()) & edges;
   SignRow found = alongX | alongX.ShiftUp();
   if (y > 0)
   {
@@ -22,7 +23,7 @@ SignRow FindWithin(const SignSlice& slice, int y, int sizeX, int sizeY)
   {
     found = found | (row ^ slice.At(y + 1));
   }
-  return found & SignRow::MakeMask(sizeX);
+  return found & vertices;
 }
 
 } // namespace
@@ -31,12 +32,13 @@ void FindRelevant(const SignSlice& slice, const SignSlice* below, const SignSlic
   int sizeY, bool near, RelevantSlice& relevant)
 {
   const SignRow vertices = SignRow::MakeMask(sizeX);
+  const SignRow edges = SignRow::MakeMask(sizeX - 1);
   std::array<SignRow, MaximumCodedVertices> withinAbove;
   relevant.IsEmpty = true;
   for (int y = 0; y < sizeY; ++y)
   {
     const auto n = static_cast<std::size_t>(y);
-    SignRow found = FindWithin(slice, y, sizeX, sizeY);
+    SignRow found = FindWithin(slice, y, sizeY, vertices, edges);
     for (const SignSlice* beside : { below, above })
     {
       if (beside)
@@ -44,7 +46,7 @@ void FindRelevant(const SignSlice& slice, const SignSlice* below, const SignSlic
         found = found | ((slice.At(y) ^ beside->At(y)) & vertices);
       }
     }
-    withinAbove[n] = above && near ? FindWithin(*above, y, sizeX, sizeY) : SignRow();
+    withinAbove[n] = above && near ? FindWithin(*above, y, sizeY, vertices, edges) : SignRow();
     relevant.Relevant[n] = found;
     relevant.IsEmpty = relevant.IsEmpty && found.IsZero();
   }

@@ -192,13 +192,13 @@ public:
   std::uint64_t Code(std::uint64_t magnitude, const ResidualContext& context)
   {
     Coder coder = this->Output;
-    magnitude = this->CodeBy(coder, magnitude, context);
+    magnitude = this->Code(coder, magnitude, context);
     this->Output = coder;
     return magnitude;
   }
 
-private:
-  std::uint64_t CodeBy(Coder& coder, std::uint64_t magnitude, const ResidualContext& context)
+  /// Codes by a copy of the coder.
+  std::uint64_t Code(Coder& coder, std::uint64_t magnitude, const ResidualContext& context)
   {
     const int low = std::max(0, (context.Level >> 3) - 2);
     std::uint64_t rest = magnitude >> low;
@@ -222,6 +222,7 @@ private:
     return base + CodeDigits(coder, magnitude - base, Bits[symbol] + low);
   }
 
+private:
   static constexpr int Last = NumberOfSymbols - 1;
   static constexpr std::uint8_t First[NumberOfSymbols] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16,
     20, 28, 44, 76 };
@@ -261,7 +262,7 @@ private:
   int CodeSymbolMixed(Coder& coder, int symbol, int level, const ResidualContext& context)
   {
     constexpr std::size_t nodes = NumberOfSymbols;
-    std::array<AdaptiveBit*, SideTrees::NumberOfTables + 1> tables;
+    AdaptiveBit* tables[SideTrees::NumberOfTables + 1];
     tables[0] = this->Model.ByLevel[static_cast<std::size_t>(level)].Nodes.data();
     for (std::size_t n = 0; n < SideTrees::NumberOfTables; ++n)
     {
@@ -272,13 +273,8 @@ private:
     std::size_t node = 1;
     for (int bit = 3; bit >= 0; --bit)
     {
-      AdaptiveBit* models[SideTrees::NumberOfTables + 1];
-      for (std::size_t n = 0; n <= SideTrees::NumberOfTables; ++n)
-      {
-        models[n] = tables[n] + node;
-      }
       const bool one =
-        CodeMixed(coder, models, std::make_index_sequence<SideTrees::NumberOfTables + 1>(),
+        CodeMixed(coder, tables, node, std::make_index_sequence<SideTrees::NumberOfTables + 1>(),
           this->Model.Mixers[mixers + node], (symbol >> bit & 1) != 0, 250, 1);
       node = 2 * node + (one ? 1 : 0);
     }

@@ -2,6 +2,7 @@
 #ifndef isosurface_SignCoder_h
 #define isosurface_SignCoder_h
 
+#include "Coding/BlockCoding/SignContexts.h"
 #include "Coding/EntropyCoding/AdaptiveModels.h"
 #include "Coding/Prediction/SignRows.h"
 
@@ -21,9 +22,6 @@ using QuietSigns = std::array<AdaptiveBit, 8>;
 /// What is learnt about the signs of a block in the profiles default and fast.
 struct SignModel
 {
-  static constexpr int NumberOfNeighbors = 12;
-  static constexpr int HashBits = 14;
-  static constexpr int NumberOfHashed = 5;
   static constexpr std::size_t NumberOfMixers = 128;
 
   explicit SignModel(bool mixed);
@@ -33,18 +31,11 @@ struct SignModel
 
   /// By 12 decoded neighbours, relative to the sign of the left one; a second table for the first
   /// slice.
-  std::array<AdaptiveBit, std::size_t(2) << NumberOfNeighbors> Near;
+  std::array<AdaptiveBit, std::size_t(2) << SignContexts::NumberOfNeighbors> Near;
   QuietSigns Quiet;
-  /// By further neighbours; only if mixed.
-  std::array<std::vector<AdaptiveBit>, NumberOfHashed> Hashed;
+  /// By further neighbours; only if mixed. One table after the other.
+  std::vector<AdaptiveBit> Hashed;
   std::array<LogisticMixer, NumberOfMixers> Mixers;
-};
-
-/// The decoded rows around the current one: Y is the row before in the slice, Z the same row in the
-/// slice before, M and P are one row before and after Z; doubled letters are two rows or slices away.
-struct SignRowsAround
-{
-  SignRow Y, YY, Z, ZM, ZP, ZMM, ZPP, ZZ, ZZM, ZZP;
 };
 
 /// The place of a row, and the slices that are decoded.
@@ -72,87 +63,53 @@ public:
   {
   }
 
-  void BeginRow(const SignRowPlace& place) { this->FirstSlice = place.Below ? 0 : 1; }
+  void BeginRow(const SignRowPlace& place)
+  {
+    const std::size_t table = place.Below ? 0 : 1;
+    this->Near = this->Known.Near.data() + (table << SignContexts::NumberOfNeighbors);
+    this->Mixers = this->Known.Mixers.data() + table * (SignModel::NumberOfMixers / 2);
+    this->Contexts.Clear();
+  }
 
   /// Codes the sign of vertex x. own: the signs at x - 2 (bit 0) and x - 1.
   bool CodeVertex(
     Coder& coder, bool bit, std::uint32_t own, const SignRow&, const SignRowsAround& rows, int x)
   {
     const bool flipped = own >> 1 != 0;
-    const std::uint32_t flip = flipped ? 31 : 0;
-    const std::uint32_t near = FindNear(rows, x, flip);
-    AdaptiveBit& nearModel =
-      this->Known.Near[near | this->FirstSlice << SignModel::NumberOfNeighbors];
+    if (!this->Contexts.Has(x))
+    {
+      this->Contexts.Find(rows, x, Mixed);
+    }
     if constexpr (Mixed)
     {
-      return this->CodeWithHashed(coder, bit != flipped, nearModel, near, own, flip, rows, x) !=
+      return this->CodeWithHashed(coder, bit != flipped, this->Contexts.GetIndices(x, own)) !=
         flipped;
     }
     else
     {
-      return CodeAdaptive(coder, nearModel, bit != flipped, 255) != flipped;
+      AdaptiveBit& near = this->Near[this->Contexts.GetNear(x, own)];
+      return CodeAdaptive(coder, near, bit != flipped, 255) != flipped;
     }
   }
 
 private:
-  // The 12 nearest neighbours.
-  static std::uint32_t FindNear(const SignRowsAround& rows, int x, std::uint32_t flip)
-  {
-    const auto three = [x, flip](const SignRow& row) { return (row.GetWindow(x) ^ flip) >> 1 & 7; };
-    return three(rows.Y) | three(rows.Z) << 3 | three(rows.ZM) << 6 | three(rows.ZP) << 9;
-  }
-
   // Codes a bit, relative to the left sign, with the nearest context and the five hashed ones.
-  bool CodeWithHashed(Coder& coder, bool bit, AdaptiveBit& nearModel, std::uint32_t near,
-    std::uint32_t own, std::uint32_t flip, const SignRowsAround& rows, int x)
+  bool CodeWithHashed(Coder& coder, bool bit, const SignContexts::Indices& indices)
   {
-    const auto five = [x, flip](const SignRow& row) { return row.GetWindow(x) ^ flip; };
-    const std::uint32_t y = five(rows.Y);
-    const std::uint32_t z = five(rows.Z);
-    const std::uint32_t zp = five(rows.ZP);
-    const std::uint32_t yy = five(rows.YY);
-    const std::uint32_t zz = five(rows.ZZ);
-    const std::uint32_t zmm = five(rows.ZMM);
-    const std::uint32_t zpp = five(rows.ZPP);
-    const std::uint32_t zzm = five(rows.ZZM);
-    const std::uint32_t zzp = five(rows.ZZP);
-    const std::uint32_t left = own >> 1;
-    const std::uint32_t left2 = (own ^ flip) & 1;
-    const std::uint32_t out = left2 | (yy >> 2 & 1) << 1 | (zz >> 2 & 1) << 2 | (y & 1) << 3 |
-      (y >> 4) << 4 | (z & 1) << 5 | (z >> 4) << 6;
-    const std::uint32_t core = (y >> 2 & 3) | (z >> 2 & 3) << 2 | (zp >> 2 & 1) << 4;
-    const auto count = [](std::uint32_t bits)
-    { return static_cast<std::uint32_t>(__builtin_popcount(bits)); };
-    const std::uint32_t nearCount = count(near);
-    const std::uint32_t farCount = count(out) + count(yy) + count(zz) + count(zmm) + count(zpp);
-    constexpr std::uint32_t mask = (1u << SignModel::HashBits) - 1;
-    const std::uint32_t hashes[SignModel::NumberOfHashed] = { Hash(near | out << 12),
-      Hash((near | out << 12) ^
-        ((zmm >> 2 & 1) << 20 | (zpp >> 2 & 1) << 21 | (yy >> 1 & 1) << 22 | (yy >> 3 & 1) << 23 |
-          (zz >> 1 & 1) << 24 | (zz >> 3 & 1) << 25 | 1u << 30)),
-      nearCount | farCount << 4 | core << 9,
-      Hash(near | (zz >> 1 & 7) << 12 | (zzm >> 2 & 1) << 15 | (zzp >> 2 & 1) << 16 |
-        (yy >> 1 & 7) << 17 | left2 << 20 | 1u << 31),
-      Hash(core | out << 5 | (zmm >> 1 & 7) << 12 | (zpp >> 1 & 7) << 15 | (yy >> 1 & 7) << 18 |
-        left << 21 | 3u << 30) };
-    AdaptiveBit* models[SignModel::NumberOfHashed + 1] = { &nearModel };
-    for (std::size_t n = 0; n < SignModel::NumberOfHashed; ++n)
+    constexpr std::size_t count = SignContexts::NumberOfHashed;
+    AdaptiveBit* models[count + 1] = { this->Near + indices.Near };
+    for (std::size_t n = 0; n < count; ++n)
     {
-      models[n + 1] = &this->Known.Hashed[n][hashes[n] & mask];
+      models[n + 1] = this->Known.Hashed.data() + (n << SignContexts::HashBits) + indices.Hashed[n];
     }
-    const std::size_t mixer = core | left2 << 5 | this->FirstSlice << 6;
-    return CodeMixed(coder, models, std::make_index_sequence<SignModel::NumberOfHashed + 1>(),
-      this->Known.Mixers[mixer], bit, 800, 1);
-  }
-
-  static std::uint32_t Hash(std::uint32_t key)
-  {
-    key *= 0x9E3779B1u;
-    return (key ^ key >> 15) >> 3;
+    return CodeMixed(coder, models, 0, std::make_index_sequence<count + 1>(),
+      this->Mixers[indices.Mixer], bit, 800, 1);
   }
 
   SignModel& Known;
-  unsigned FirstSlice = 0;
+  AdaptiveBit* Near = nullptr; ///< the table of the slice
+  LogisticMixer* Mixers = nullptr;
+  SignContexts Contexts;
 };
 
 /**
@@ -219,40 +176,31 @@ private:
     rows.ZZP = second.At(y + 1);
   }
 
-  // The vertices whose neighbours are all outside, and those whose neighbours are all inside.
-  void FindQuiet(SignRow& outside, SignRow& inside) const
+  // By the signs of the two vertices before: the vertices whose neighbours all have these signs.
+  using QuietRows = std::array<SignRow, 4>;
+  QuietRows FindQuiet() const
   {
     const SignRowsAround& rows = this->Around;
     SignRow any = rows.Y | rows.YY | rows.Z | rows.ZM | rows.ZP | rows.ZMM | rows.ZPP | rows.ZZ;
     SignRow all = rows.Y & rows.YY & rows.Z & rows.ZM & rows.ZP & rows.ZMM & rows.ZPP & rows.ZZ;
     if (any.IsZero() || (~all).IsZero())
     {
-      outside = ~any;
-      inside = all;
-      return;
+      return { ~any, {}, {}, all };
     }
-    const auto joinThree = [&](const SignRow& row)
-    {
-      const SignRow up = row.ShiftUp();
-      const SignRow down = row.ShiftDown();
-      any = any | row | up | down;
-      all = all & row & up & down;
-    };
-    joinThree(this->Around.Y.ShiftUp());
-    joinThree(this->Around.Y.ShiftDown());
-    joinThree(this->Around.Z.ShiftUp());
-    joinThree(this->Around.Z.ShiftDown());
-    joinThree(this->Around.ZM);
-    joinThree(this->Around.ZP);
-    outside = ~any;
-    inside = all;
+    const auto beside = [](const SignRow& row, auto join)
+    { return join(row.ShiftUp(), row.ShiftDown()); };
+    const auto either = [](const SignRow& a, const SignRow& b) { return a | b; };
+    const auto both = [](const SignRow& a, const SignRow& b) { return a & b; };
+    const SignRow anyNear = beside(rows.Y | rows.Z, either) | rows.ZM | rows.ZP;
+    const SignRow allNear = beside(rows.Y & rows.Z, both) & rows.ZM & rows.ZP;
+    any = any | anyNear | beside(anyNear, either);
+    all = all & allNear & beside(allNear, both);
+    return { ~any, {}, {}, all };
   }
 
   void CodeRow(SignRow& row)
   {
-    SignRow outside;
-    SignRow inside;
-    this->FindQuiet(outside, inside);
+    const QuietRows quiet = this->FindQuiet();
     // Vertices left of the row have the sign of the first vertex of Z.
     const bool left = this->Around.Z.Get(0);
     const std::uint64_t margin = (std::uint64_t(1) << SignRow::Margin) - 1;
@@ -262,10 +210,9 @@ private:
     std::uint32_t before = left ? 3 : 0; // the bits of x - 2 and x - 1, lowest first
     for (int x = 0; x < this->SizeX;)
     {
-      const bool sign = (before & 2) != 0;
-      if ((before == 0 && outside.Get(x)) || (before == 3 && inside.Get(x)))
+      if (quiet[before].Get(x))
       {
-        x = this->CodeRun(coder, row, coded, sign ? inside : outside, x, sign);
+        x = this->CodeRun(coder, row, coded, quiet[before], x, before != 0);
         before = coded.GetWindow(x) & 3;
       }
       else

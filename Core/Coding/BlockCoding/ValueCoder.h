@@ -36,6 +36,7 @@ public:
   ValueCoder(Coder& coder, ValueModel& model, const ValueDomain& domain, int sizeX, int sizeY)
     : Model(model)
     , Domain(domain)
+    , Output(coder)
     , Residuals(coder, model.Residuals)
     , SizeX(sizeX)
     , SizeY(sizeY)
@@ -75,18 +76,20 @@ public:
       return;
     }
     this->BeginRow(y);
+    Coder coder = this->Output;
     VisitBits(visited,
       [&](int x)
       {
         if (!Mixed || relevant.Get(x))
         {
-          this->CodeVertex(x, codes[x]);
+          this->CodeVertex(coder, x, codes[x]);
         }
         else
         {
           this->FillVertex(x);
         }
       });
+    this->Output = coder;
   }
 
 private:
@@ -184,14 +187,14 @@ private:
                                                     : std::clamp(height, -maximum, -minimum));
   }
 
-  void CodeVertex(int x, std::int64_t& code)
+  void CodeVertex(Coder& coder, int x, std::int64_t& code)
   {
     const std::int32_t height = this->Predict(x);
     ResidualContext context;
     context.Level = FindExpectedLevel(this->LevelRow + x, RowStride);
     const std::uint64_t magnitude = this->Domain.GetKind() == ValueDomain::Kind::Offsets
-      ? this->CodeOffset(x, height, context, code)
-      : this->CodeBits(x, height, context, code);
+      ? this->CodeOffset(coder, x, height, context, code)
+      : this->CodeBits(coder, x, height, context, code);
     const int level = MeasureMagnitude(magnitude);
     this->LevelRow[x] = static_cast<std::uint16_t>(level);
     this->Model.MeanLevel += level - this->Model.MeanLevel / 16;
@@ -199,7 +202,8 @@ private:
   }
 
   // Codes by their distance from the predicted code, within the bounds of the vertex's side.
-  std::uint64_t CodeOffset(int x, std::int32_t height, ResidualContext& context, std::int64_t& code)
+  std::uint64_t CodeOffset(
+    Coder& coder, int x, std::int32_t height, ResidualContext& context, std::int64_t& code)
   {
     int quarter = 0;
     const std::int64_t middle = this->Domain.FromHeight(height, quarter);
@@ -214,7 +218,7 @@ private:
       magnitude = guess.ToMagnitude(code);
     }
     this->FindSides(x, height, 2 * static_cast<std::uint64_t>(guess.GetRoom()), quarter, context);
-    magnitude = this->Residuals.Code(magnitude, context);
+    magnitude = this->Residuals.Code(coder, magnitude, context);
     if constexpr (!Coder::Encodes)
     {
       code = guess.FromMagnitude(magnitude);
@@ -223,7 +227,8 @@ private:
   }
 
   // Codes by their difference from the predicted code, modulo 2^32 or 2^64.
-  std::uint64_t CodeBits(int x, std::int32_t height, ResidualContext& context, std::int64_t& code)
+  std::uint64_t CodeBits(
+    Coder& coder, int x, std::int32_t height, ResidualContext& context, std::int64_t& code)
   {
     int quarter = 0;
     const auto guess = static_cast<std::uint64_t>(this->Domain.FromHeight(height, quarter));
@@ -233,7 +238,7 @@ private:
       magnitude = MakeMagnitude(this->Domain.Wrap(static_cast<std::uint64_t>(code) - guess));
     }
     this->FindSides(x, height, ~std::uint64_t(0), 0, context);
-    magnitude = this->Residuals.Code(magnitude, context);
+    magnitude = this->Residuals.Code(coder, magnitude, context);
     if constexpr (!Coder::Encodes)
     {
       code = this->Domain.Wrap(guess + MakeDifference(magnitude));
@@ -250,35 +255,34 @@ private:
     context.Sides[0] = static_cast<std::uint32_t>(spare);
     if constexpr (Mixed)
     {
-      context.Sides[0] |= static_cast<std::uint32_t>(quarter) << 3;
-      this->FindFurtherSides(x, height, context);
+      const std::uint32_t inside = this->Around.Inside ? 64 : 0;
+      context.Sides[0] |= static_cast<std::uint32_t>(quarter) << 3 | inside;
+      this->FindFurtherSides(x, height, inside, context);
     }
   }
 
-  void FindFurtherSides(int x, std::int32_t height, ResidualContext& context) const
+  // inside: a bit of all sides.
+  void FindFurtherSides(
+    int x, std::int32_t height, std::uint32_t inside, ResidualContext& context) const
   {
     const unsigned crossed = this->Around.Crossed;
-    context.Sides[1] = crossed | CollectBits(this->Backward, x) << 3;
+    context.Sides[1] = crossed | CollectBits(this->Backward, x) << 3 | inside;
     const std::uint16_t* level = this->LevelRow + x;
     const auto compare = [&context](int other)
     { return static_cast<std::uint32_t>(std::clamp((other - context.Level + 12) >> 3, 0, 3)); };
     context.Sides[2] =
-      compare(level[-1]) | compare(level[-RowStride]) << 2 | compare(level[0]) << 4;
+      compare(level[-1]) | compare(level[-RowStride]) << 2 | compare(level[0]) << 4 | inside;
     const std::int16_t* p = this->Around.Rows[0] + x;
     const std::int16_t* z = this->Around.Rows[1] + x;
     const int slope = std::abs(p[-1] - z[-1]) + std::abs(p[-RowStride] - z[-RowStride]);
     const int steep = MeasureMagnitude(static_cast<std::uint64_t>(slope)) -
       MeasureMagnitude(static_cast<std::uint64_t>(this->Model.MeanHeight >> 6));
     context.Sides[3] = static_cast<std::uint32_t>(std::clamp((steep + 36) / 6, 0, 15)) |
-      static_cast<std::uint32_t>(__builtin_popcount(crossed)) << 4;
+      static_cast<std::uint32_t>(__builtin_popcount(crossed)) << 4 | inside;
     const int unit = std::max(this->Model.MeanHeight >> 8, 1);
     const auto place = [unit, height](int other)
     { return static_cast<std::uint32_t>(std::clamp((other - height) / unit + 2, 0, 3)); };
-    context.Sides[4] = place(p[-1]) | place(p[-RowStride]) << 2 | place(z[0]) << 4;
-    for (std::uint32_t& side : context.Sides)
-    {
-      side |= this->Around.Inside ? 64 : 0;
-    }
+    context.Sides[4] = place(p[-1]) | place(p[-RowStride]) << 2 | place(z[0]) << 4 | inside;
   }
 
   void Learn(int x, std::int32_t predicted, std::int32_t height)
@@ -290,6 +294,7 @@ private:
 
   ValueModel& Model;
   const ValueDomain& Domain;
+  Coder& Output;
   ResidualCoder<Coder, Mixed> Residuals;
   int SizeX;
   int SizeY;

@@ -55,24 +55,24 @@ public:
     constexpr std::ptrdiff_t row = ValueSurroundings::RowStride;
 #if defined(__SSE2__)
     // Assembled in registers: one load of what several stores just wrote would stall. The heights
-    // before on the row are loaded one by one for the same reason.
-    const auto lane = [](std::int32_t value, int n)
-    { return std::uint64_t{ static_cast<std::uint16_t>(value) } << (16 * n); };
-    constexpr std::uint64_t three = (std::uint64_t{ 1 } << 48) - 1;
-    const std::uint64_t fours[4] = { (Load<std::uint64_t>(p - row - 1) & three) |
-        lane(p[-2 * row], 3),
-      (Load<std::uint64_t>(z - 1) & three) | lane(second, 3),
-      lane(p[-1], 0) | lane(p[-2], 1) | std::uint64_t{ Load<std::uint32_t>(z - row) } << 32,
-      Load<std::uint32_t>(z + row - 1) | lane(side, 2) | lane(leading, 3) };
+    // before on the row are loaded one by one for the same reason, the last one at last.
+    const auto four = [](const std::int16_t* first, std::int16_t last)
+    { return _mm_insert_epi16(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(first)), last, 3); };
+    const auto two = [](const std::int16_t* first)
+    { return _mm_cvtsi32_si128(Load<std::int32_t>(first)); };
+    __m128i rest = _mm_slli_si128(_mm_unpacklo_epi32(two(z - row), two(z + row - 1)), 4);
+    rest = _mm_insert_epi16(_mm_insert_epi16(rest, side, 6), leading, 7);
+    rest = _mm_insert_epi16(_mm_insert_epi16(rest, p[-2], 1), p[-1], 0);
+    const __m128i halves[2] = {
+      _mm_unpacklo_epi64(four(p - row - 1, p[-2 * row]), four(z - 1, second)), rest
+    };
     __m128i sums = _mm_setzero_si128();
     for (int half = 0; half < 2; ++half)
     {
-      const __m128i inputs = _mm_set_epi64x(
-        static_cast<long long>(fours[2 * half + 1]), static_cast<long long>(fours[2 * half]));
-      _mm_store_si128(reinterpret_cast<__m128i*>(this->Inputs.data()) + half, inputs);
+      _mm_store_si128(reinterpret_cast<__m128i*>(this->Inputs.data()) + half, halves[half]);
       const __m128i weights =
         _mm_load_si128(reinterpret_cast<const __m128i*>(this->ShortWeights.data()) + half);
-      sums = _mm_add_epi32(sums, _mm_madd_epi16(inputs, weights));
+      sums = _mm_add_epi32(sums, _mm_madd_epi16(halves[half], weights));
     }
     const __m128i pairs = _mm_add_epi32(sums, _mm_shuffle_epi32(sums, 0x4e));
     return _mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1))) >> 13;

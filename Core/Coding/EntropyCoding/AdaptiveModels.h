@@ -4,6 +4,7 @@
 
 #include "Coding/EntropyCoding/RangeCoder.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -150,7 +151,12 @@ struct LogisticMixer
     const __m128i products = _mm_madd_epi16(
       inputs.Values, _mm_load_si128(reinterpret_cast<const __m128i*>(this->Weights.data())));
     const __m128i pairs = _mm_add_epi32(products, _mm_shuffle_epi32(products, 0x4e));
-    const int sum = _mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1)));
+    const __m128i sums = _mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1));
+    // Saturated in 16 bits, of which four are shifted out: x is clamped to -2048 .. 2047, and Squash is
+    // the same at -2048 as at -2047.
+    const __m128i fine = _mm_srai_epi32(sums, 10);
+    const __m128i above = _mm_xor_si128(_mm_packs_epi32(fine, fine), _mm_set1_epi16(-32768));
+    return Tables.Squash[static_cast<std::size_t>(_mm_extract_epi16(_mm_srli_epi16(above, 4), 0))];
 #else
     int sum = 0;
     for (int n = 0; n < Size; ++n)
@@ -158,12 +164,8 @@ struct LogisticMixer
       sum +=
         inputs.Values[static_cast<std::size_t>(n)] * this->Weights[static_cast<std::size_t>(n)];
     }
+    return Tables.Squash[static_cast<std::size_t>(std::clamp(sum >> 14, -2047, 2047) + 2048)];
 #endif
-    const int x = sum >> 14;
-    return Tables.Squash[static_cast<std::size_t>((x < -2047     ? -2047
-                                                      : x > 2047 ? 2047
-                                                                 : x) +
-      2048)];
   }
 
   /// Learns from the bit that was coded: weights move by inputs * error * 2^-rate.
@@ -192,9 +194,9 @@ struct LogisticMixer
 };
 
 #if defined(__GNUC__)
-/// Does AdaptiveBit::Update for each of `Count` (at most 8) different models.
+/// Does AdaptiveBit::Update for number `n` of each of `Count` (at most 8) different tables.
 template <std::size_t Count>
-inline void UpdateAll(AdaptiveBit* const* models, bool bit, std::uint32_t limit)
+inline void UpdateAll(AdaptiveBit* const* tables, std::size_t n, bool bit, std::uint32_t limit)
 {
   constexpr std::size_t lanes = 8;
   static_assert(Count <= lanes, "one lane a model");
@@ -202,11 +204,12 @@ inline void UpdateAll(AdaptiveBit* const* models, bool bit, std::uint32_t limit)
   using Signed = std::int32_t __attribute__((vector_size(4 * lanes)));
   using Floats = float __attribute__((vector_size(4 * lanes)));
   Unsigned states{};
-  for (std::size_t n = 0; n < Count; ++n)
+  for (std::size_t table = 0; table < Count; ++table)
   {
-    states[n] = models[n]->State;
+    states[table] = tables[table][n].State;
   }
-  const Unsigned counts = states & 1023;
+  // As signed numbers, which vectors convert and compare at once.
+  const auto counts = reinterpret_cast<Signed>(states & 1023);
   // Tables.Rates: rounded down, this division is as exact.
   const Floats divisors = __builtin_convertvector(counts, Floats) * 10.0f + 16.0f;
   const auto rates = __builtin_convertvector(655360.0f / divisors, Signed);
@@ -216,35 +219,35 @@ inline void UpdateAll(AdaptiveBit* const* models, bool bit, std::uint32_t limit)
   const Unsigned low =
     (reinterpret_cast<Unsigned>(steps) & 0xffff) * reinterpret_cast<Unsigned>(rates) >> 16;
   states += (reinterpret_cast<Unsigned>(high) + low) << 10;
-  states -= reinterpret_cast<Unsigned>(counts < limit);
-  for (std::size_t n = 0; n < Count; ++n)
+  states -= reinterpret_cast<Unsigned>(counts < static_cast<std::int32_t>(limit));
+  for (std::size_t table = 0; table < Count; ++table)
   {
-    models[n]->State = states[n];
+    tables[table][n].State = states[table];
   }
 }
 #else
 template <std::size_t Count>
-inline void UpdateAll(AdaptiveBit* const* models, bool bit, std::uint32_t limit)
+inline void UpdateAll(AdaptiveBit* const* tables, std::size_t n, bool bit, std::uint32_t limit)
 {
-  for (std::size_t n = 0; n < Count; ++n)
+  for (std::size_t table = 0; table < Count; ++table)
   {
-    models[n]->Update(bit, limit);
+    tables[table][n].Update(bit, limit);
   }
 }
 #endif
 
-/// Codes a bit by mixing adaptive probabilities (at most 7), all different, and a constant.
+/// Codes a bit by mixing number `n` of each of some tables (at most 7), all different, and a constant.
 template <typename Coder, std::size_t... N>
-inline bool CodeMixed(Coder& coder, AdaptiveBit* const* models, std::index_sequence<N...>,
-  LogisticMixer& mixer, bool bit, std::uint32_t limit, int rate)
+inline bool CodeMixed(Coder& coder, AdaptiveBit* const* tables, std::size_t n,
+  std::index_sequence<N...>, LogisticMixer& mixer, bool bit, std::uint32_t limit, int rate)
 {
   static_assert(sizeof...(N) < LogisticMixer::Size, "one input is constant");
   MixerInputs inputs;
-  (inputs.Set<N>(Tables.Stretch[models[N]->State >> 20]), ...);
+  (inputs.Set<N>(Tables.Stretch[tables[N][n].State >> 20]), ...);
   const std::uint32_t probability = mixer.Mix(inputs);
   bit = coder.CodeBit(bit, probability);
   mixer.Update(inputs, probability, bit, rate);
-  UpdateAll<sizeof...(N)>(models, bit, limit);
+  UpdateAll<sizeof...(N)>(tables, n, bit, limit);
   return bit;
 }
 

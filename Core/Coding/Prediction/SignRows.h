@@ -75,8 +75,7 @@ struct SignRow
     this->Words[1] = (this->Words[1] & mask.Words[1]) | (last ? ~mask.Words[1] : 0);
   }
 
-private:
-  // The bits of vertex x and at least 7 more, lowest first.
+  /// The bits of vertex x and at least 24 more, lowest first.
   std::uint32_t GetBits(int x) const
   {
     const auto bit = static_cast<unsigned>(x + Margin);

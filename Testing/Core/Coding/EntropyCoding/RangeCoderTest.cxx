@@ -123,6 +123,11 @@ TEST(RangeCoder, CodesInAboutTheEntropy)
   EXPECT_NEAR(static_cast<double>(bytes.size()), entropy, 0.02 * entropy);
 }
 
+TEST(LogisticMixer, SaturatesAtTheSameProbabilityWithAndWithoutVectors)
+{
+  EXPECT_EQ(Tables.Squash[0], Tables.Squash[1]);
+}
+
 TEST(AdaptiveBit, ManyLearnTogetherAsEachAlone)
 {
   std::mt19937 random(11);
@@ -139,7 +144,7 @@ TEST(AdaptiveBit, ManyLearnTogetherAsEachAlone)
         models[n] = &together[n];
       }
       std::array<AdaptiveBit, 6> alone = together;
-      UpdateAll<6>(models.data(), bit, 800);
+      UpdateAll<6>(models.data(), 0, bit, 800);
       for (std::size_t n = 0; n < together.size(); ++n)
       {
         alone[n].Update(bit, 800);
