@@ -12,9 +12,7 @@
 #if defined(__GLIBC__)
 #  include <malloc.h>
 #endif
-#if defined(__SANITIZE_ADDRESS__)
-#  include <sanitizer/asan_interface.h>
-#endif
+#include <sanitizer/asan_interface.h> // with AddressSanitizer, whoever uses what is released is found as ever
 
 namespace isosurface
 {
@@ -35,25 +33,6 @@ std::size_t MeasureBlock(void* memory)
 #else
   (void)memory;
   return 0;
-#endif
-}
-
-/// With AddressSanitizer, whoever uses what is released is found as ever.
-void Forbid(const Block& block)
-{
-#if defined(__SANITIZE_ADDRESS__)
-  __asan_poison_memory_region(block.Memory, block.Size);
-#else
-  (void)block;
-#endif
-}
-
-void Permit(const Block& block)
-{
-#if defined(__SANITIZE_ADDRESS__)
-  __asan_unpoison_memory_region(block.Memory, block.Size);
-#else
-  (void)block;
 #endif
 }
 
@@ -79,7 +58,7 @@ public:
     const Block taken = *best;
     this->Blocks.erase(best);
     this->Bytes -= taken.Size;
-    Permit(taken);
+    ASAN_UNPOISON_MEMORY_REGION(taken.Memory, taken.Size);
     return taken.Memory;
   }
 
@@ -105,7 +84,7 @@ public:
       return false;
     }
     this->Bytes += block.Size;
-    Forbid(block);
+    ASAN_POISON_MEMORY_REGION(block.Memory, block.Size);
     return true;
   }
 
@@ -130,7 +109,7 @@ private:
     for (; this->Bytes > rest; ++block)
     {
       this->Bytes -= block->Size;
-      Permit(*block);
+      ASAN_UNPOISON_MEMORY_REGION(block->Memory, block->Size);
       std::free(block->Memory);
     }
     const bool any = block != this->Blocks.begin();

@@ -24,7 +24,7 @@ constexpr std::uint64_t LargestKept = std::uint64_t(1) << 30;
 void* TakeMemory(std::size_t size);
 
 /// Keeps memory of TakeMemory() or of malloc() in place of what was released longest ago, or frees it.
-/// Memory that was taken may also be freed by free(), as that which VTK arrays own.
+/// Memory that was taken may also be freed by free().
 void ReleaseMemory(void* memory) noexcept;
 
 /// Frees what is kept.

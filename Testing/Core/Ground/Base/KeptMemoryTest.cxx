@@ -49,7 +49,7 @@ TEST_F(KeptMemory, IsTheSmallestThatFits)
   }
   EXPECT_EQ(TakeMemory(17 * MiB + MiB / 2), blocks[2]);
   EXPECT_EQ(TakeMemory(16 * MiB), blocks[1]);
-  EXPECT_EQ(TakeMemory(16 * MiB), blocks[0]);
+  EXPECT_EQ(TakeMemory(17 * MiB), blocks[0]);
   EXPECT_EQ(GetKeptBytes(), 0u);
   for (void* block : blocks)
   {

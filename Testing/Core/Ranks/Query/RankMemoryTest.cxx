@@ -4,6 +4,7 @@
 #include "RankDeeds.h"
 
 #include "Fixtures/MemoryShortage.h"
+#include "Ground/Base/KeptMemory.h"
 
 #include <atomic>
 #include <functional>
@@ -133,3 +134,30 @@ TEST_P(RankWithoutMemory, FailsWithAllWhenFindingIslands)
 
 INSTANTIATE_TEST_SUITE_P(
   Ranks, RankWithoutMemory, testing::ValuesIn(RankDeeds::GetNumbersOfRanks()));
+
+TEST(KeptMemory, IsFreedWhereMemoryIsShort)
+{
+  constexpr std::size_t size = std::size_t(8) << 20;
+  const auto keep = []
+  {
+    for (int n = 0; n < 16; ++n) // in each sixteen the available memory is asked for once
+    {
+      ReleaseMemory(TakeMemory(size));
+    }
+  };
+  long allocations = 0;
+  {
+    const MemoryShortage none(-1);
+    keep();
+    allocations = MemoryShortage::Count();
+  }
+  const MemoryShortage shortage(allocations);
+  keep();
+  EXPECT_GE(GetKeptBytes(), size);
+  void* const larger = TakeMemory(4 * size);
+  EXPECT_GT(MemoryShortage::Count(), allocations + 1)
+    << "nothing failed, or it was not tried again";
+  EXPECT_NE(larger, nullptr);
+  EXPECT_EQ(GetKeptBytes(), 0u);
+  ReleaseMemory(larger);
+}
