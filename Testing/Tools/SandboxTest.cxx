@@ -143,8 +143,9 @@ TEST_F(SandboxTest, RefusesMemoryBeyondTheLimit)
   EXPECT_EQ(this->Run(
               []
               {
-                void* less = std::malloc(400 * Mebibyte);
-                void* more = std::malloc(200 * Mebibyte);
+                // Else a compiler may leave out both, as if there were memory.
+                void* volatile less = std::malloc(400 * Mebibyte);
+                void* volatile more = std::malloc(200 * Mebibyte);
                 const int found = (less ? 1 : 0) + (more ? 2 : 0);
                 std::free(less);
                 return found;
