@@ -1,16 +1,13 @@
 # Seconds of the longest tests, roughly: ctest begins with them, so that none is left at the end. It knows by
 # itself what it has run before; a build from nothing has not.
 foreach(test IN ITEMS
-    Plugin.ServerOfTwoRanksShowsTheSameAndLogsItsCost=115
-    Plugin.ServerOfTwoRanksShowsTheWindowTheSame=50
-    Install.DebianPackagesInstallWorkAndGo=87
+    Plugin.ServerOfTwoRanksShowsTheSameAndLogsItsCost=60
     Plugin.SurfacesHaveTheStockImageOn1Ranks=60
-    Formats.EdgeIndexReaderMadeFromTheSpecificationFindsTheSurface=48
+    Plugin.ServerOfTwoRanksShowsTheWindowTheSame=50
     Plugin.GuiViewsSelectionsUndoAndFramesAreByHand=46
     Parallel.LackOfMemoryForMessagesIsToldByAllOn3Ranks=45
     Core.EdgeIndexWriteJob=45
     Plugin.GuiSavesTheFullSurfaceAndAsksAboutMemory=41
-    Formats.ReaderMadeFromTheSpecificationFindsTheSource=40
     Tools.hdf5ErrorsAndLists=40
     Core.Replicas=38
     Core.DiskFaultsAtEveryOperation=36

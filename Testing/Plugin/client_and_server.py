@@ -112,8 +112,10 @@ class ClientAndServer(testing.TestCase):
         self.run_gui("GuiLoaded.xml", baseline=None)
 
     def test_images_and_surfaces_are_those_without_a_server(self):
-        scripts = ["metabuffer_view", "isosurface_colors", "progressive"]
-        self.run_client_and_server("surface_representation.py", options=["--also", *scripts])
+        also = ["progressive"]
+        if testing.arguments.long:
+            also += ["surface_representation", "isosurface_colors"]
+        self.run_client_and_server("metabuffer_view.py", options=["--also", *also])
 
     def test_wall_shows_the_one_big_image_of_the_stock_view(self):
         import numpy

@@ -66,6 +66,7 @@ def parse_arguments():
         parser.add_argument("--" + name)
     parser.add_argument("--played", help="the folder of what the GUI plays")
     parser.add_argument("--window-python-path", help="PYTHONPATH of the GUI")
+    parser.add_argument("--long", action="store_true", help="run what else takes minutes")
     parser.add_argument("--in-window", action="store_true", help="run the tests of the GUI alone")
     parser.add_argument("--minutes", type=float, default=10, help="of a test of random deeds")
     parser.add_argument("--seed", type=int, default=1, help="of its first window")
