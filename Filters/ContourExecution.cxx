@@ -288,6 +288,7 @@ Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const Surfa
   {
     task.Request.Attributes.push_back(array.Layout);
   }
+  task.Finished = input.GetHandle().GetFinished();
   std::string warning;
   const Status status = RunWithReplicas(
     ranks, [&] { return task.Volume.get(); }, warning,
@@ -370,12 +371,14 @@ void ContourExecution::WarnOfLackOfMemory(const ExtractionTask& task, int level)
   }
 }
 
-Status ContourExecution::ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome)
+Status ContourExecution::ExtractOnce(ExtractionTask task, ContourOutcome& outcome)
 {
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
-  const auto finest = this->ChoosePassLevel(task.Volume, task.Query);
+  const auto finest = this->ChoosePassLevel(task);
   ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
+  task.Finished = this->LastPass.Finished;
+  task.FinishedSlices = this->LastPass.FinishedSlices;
   outcome.Final = *finest <= this->Contour.GetLevel();
   this->LastPass.Query = task.Query;
   this->LastPass.Request = task.Request;

@@ -18,6 +18,7 @@
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "SurfacePolyData.h"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -82,6 +83,8 @@ public:
   int ChooseThreads(); ///< collective at the first call
 
 private:
+  using Clock = std::chrono::steady_clock;
+
   /// What the last execution was made of. A progressive surface goes on from it if neither the
   /// filter, nor the volume, nor the time step has changed.
   struct Pass
@@ -94,7 +97,13 @@ private:
     ContourRequest Request;
     std::size_t Triangles = 0; ///< of the surface that was extracted, on this rank
     bool SizeAccepted = false;
-    bool Direct = false; ///< whether the final level follows the first one
+    bool Direct = false;                      ///< whether the final level follows the first one
+    std::shared_ptr<FinishedLayers> Finished; ///< that make a surface of a sample exact; or null
+    std::shared_ptr<const void> AreShown;     ///< null before any of them is extracted
+    std::int64_t FinishedSlices = 0;          ///< that this surface has of them
+    Clock::time_point GrowthBegin;            ///< when extracting it began
+    Clock::time_point GrowthDue;              ///< before which the next one does not begin
+    bool HasGrown = false;                    ///< whether GrowthDue is to be found
   };
 
   /// The same of images in memory.
@@ -133,18 +142,25 @@ private:
   std::uint64_t ComputeFingerprint(const SurfaceQuery& query, const ContourBlocks* blocks);
   Status ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& query,
     vtkInformation* outInfo, ContourOutcome& outcome);
-  Status ExtractOnce(const ExtractionTask& task, ContourOutcome& outcome);
+  Status ExtractOnce(ExtractionTask task, ContourOutcome& outcome);
   /// The bytes of memory that this rank can still have; 0 if that is not known.
   std::uint64_t FindFreeMemory();
   void WarnOfLackOfMemory(const ExtractionTask& task, int level);
   /// The finest level that this execution may extract. Collective.
-  Result<int> ChoosePassLevel(
-    const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query);
+  Result<int> ChoosePassLevel(const ExtractionTask& task);
   /// The level that follows the last one.
   int GetLevelAfterPass(const BlockedVolume& volume);
   /// Whether the last surface, of a volume or of images, can be refined; the same on all ranks.
   /// Collective.
   bool MayRefine(Communicator& ranks, bool& ofImages);
+  /// Whether the last surface is of a sample at its finest level, and may have exact parts.
+  bool MayGrow();
+  /// PrepareRefinement of such a surface: with more of what is exact.
+  Refinement PrepareGrowth(double seconds);
+  /// How many slices of what is finished it is to have, and its triangles.
+  std::int64_t ChooseFinishedSlices(std::int64_t finished, Refinement& refinement) const;
+  /// Whether it is time for so many, and there is memory.
+  bool IsGrowthDue(std::int64_t slices, Refinement& refinement);
   /// Begins to extract a finer surface, unless it is too large. Collective.
   Status BeginRefinement(Communicator& ranks, Refinement& refinement);
   /// Begins to extract it, which takes memory and a thread; this rank alone.

@@ -29,15 +29,21 @@ constexpr double MebiByte = 1 << 20;
 constexpr std::uint64_t CoarseVertices = 1 << 20;
 /// Surfaces of so few have at most FirstSurfaceTriangles, about, even in noise.
 constexpr std::uint64_t ProbedVertices = 1 << 15;
+/// A surface that grows with an index rests so many times as long as it took to extract and to show.
+constexpr int GrowthRest = 2;
+/// Its first exact part has about so many at most; each later one is at most twice as deep. So the
+/// first is there soon, and the index goes on.
+constexpr double FirstPartTriangles = 500'000;
 /// To look at each of so many takes a hundredth of a second.
 constexpr std::uint64_t DirectVertices = 1 << 23;
 
 } // namespace
 
 //------------------------------------------------------------------------------
-Result<int> ContourExecution::ChoosePassLevel(
-  const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query)
+Result<int> ContourExecution::ChoosePassLevel(const ExtractionTask& task)
 {
+  const std::shared_ptr<BlockedVolume>& volume = task.Volume;
+  const SurfaceQuery& query = task.Query;
   ControllerCommunicator ranks = this->GetRanks();
   Pass& pass = this->LastPass;
   const vtkMTimeType time = this->Contour.GetMTime();
@@ -69,6 +75,11 @@ Result<int> ContourExecution::ChoosePassLevel(
   }
   pass.Time = time;
   pass.Volume = volume;
+  if (this->CoarseAllowed && this->Contour.GetLevel() == 0 && !this->Contour.FindsIslands() &&
+    this->Contour.GetTimeBudget() <= 0 && this->Contour.GetMaximumTriangles() == 0)
+  {
+    pass.Finished = task.Finished;
+  }
   return pass.Level;
 }
 
@@ -277,6 +288,13 @@ bool ContourExecution::Refine()
   }
   Pass& pass = this->LastPass;
   const std::shared_ptr<BlockedVolume> volume = pass.Volume.lock();
+  if (this->MayGrow() && this->OfVolumes.GetPrepared())
+  {
+    pass.FinishedSlices = this->OfVolumes.GetPrepared()->GetTask().FinishedSlices;
+    pass.Shown = false;
+    pass.HasGrown = true;
+    return true;
+  }
   if (this->Contour.GetFinal() || !pass.Shown || pass.Time != this->Contour.GetMTime() || !volume)
   {
     return false;
@@ -304,6 +322,10 @@ bool ContourExecution::MayRefine(Communicator& ranks, bool& ofImages)
 //------------------------------------------------------------------------------
 Refinement ContourExecution::PrepareRefinement(double seconds)
 {
+  if (this->MayGrow())
+  {
+    return this->PrepareGrowth(seconds);
+  }
   ControllerCommunicator ranks = this->GetRanks();
   bool ofImages = false;
   if (!this->MayRefine(ranks, ofImages))
@@ -340,6 +362,119 @@ Refinement ContourExecution::PrepareRefinement(double seconds)
   refinement.Stage = slowest[0] != 0 ? RefinementStage::Ready : RefinementStage::Working;
   refinement.Share = static_cast<double>(slowest[1]) / Millionths;
   return refinement;
+}
+
+//------------------------------------------------------------------------------
+bool ContourExecution::MayGrow()
+{
+  const Pass& pass = this->LastPass;
+  return pass.Finished && pass.Level == 0 && pass.Shown && pass.Time == this->Contour.GetMTime() &&
+    !pass.Volume.expired();
+}
+
+//------------------------------------------------------------------------------
+Refinement ContourExecution::PrepareGrowth(double seconds)
+{
+  Pass& pass = this->LastPass;
+  Refinement& refinement = this->LastRefinement;
+  BackgroundExtraction* extraction = this->OfVolumes.GetPrepared();
+  if (!extraction)
+  {
+    // Asked first, so that nothing is added afterwards.
+    const bool hasEnded = pass.Finished->HasEnded();
+    const std::int64_t finished = pass.Finished->CountSlices();
+    refinement = {};
+    refinement.Stage = RefinementStage::Growing;
+    if (finished == 0)
+    {
+      refinement.Stage = hasEnded ? RefinementStage::None : RefinementStage::Growing;
+      return refinement;
+    }
+    const std::int64_t slices = this->ChooseFinishedSlices(finished, refinement);
+    if (this->IsGrowthDue(slices, refinement))
+    {
+      pass.AreShown = pass.Finished->Show();
+      ExtractionTask task = { pass.Volume.lock(), pass.Query, pass.Request, this->ChooseThreads(),
+        {} };
+      task.Finished = pass.Finished;
+      task.FinishedSlices = slices;
+      const Status begun = Attempt("the next surface cannot be prepared",
+        [&]
+        {
+          this->OfVolumes.Prepare(task, 0);
+          return Status::Ok();
+        });
+      pass.GrowthBegin = Clock::now();
+      if (!begun.IsOk())
+      {
+        pass.GrowthDue = Clock::now() + std::chrono::seconds(1);
+      }
+    }
+    else if (hasEnded && finished == pass.FinishedSlices)
+    {
+      refinement.Stage = RefinementStage::None;
+    }
+    return refinement;
+  }
+  if (extraction->Wait(seconds))
+  {
+    refinement.Stage = RefinementStage::Ready;
+    if (!extraction->GetStatus().IsOk())
+    {
+      // The sample stays. If the source is at fault, indexing it tells.
+      this->OfVolumes.DropPrepared();
+      pass.Finished = nullptr;
+      pass.AreShown = nullptr;
+      refinement = {};
+    }
+  }
+  return refinement;
+}
+
+//------------------------------------------------------------------------------
+std::int64_t ContourExecution::ChooseFinishedSlices(
+  std::int64_t finished, Refinement& refinement) const
+{
+  const Pass& pass = this->LastPass;
+  const BlockedVolumeHeader& whole = pass.Finished->GetHeader();
+  const auto all = static_cast<double>(whole.Grid.GetDimensions()[2] - 1);
+  refinement.Share = static_cast<double>(pass.FinishedSlices) / all;
+  const auto shown = static_cast<double>(pass.Triangles);
+  if (pass.FinishedSlices > 0)
+  {
+    const std::int64_t slices = std::min(finished, 2 * pass.FinishedSlices);
+    refinement.Triangles =
+      shown * static_cast<double>(slices) / static_cast<double>(pass.FinishedSlices);
+    return slices;
+  }
+  const auto vertices = [](const BlockedVolumeHeader& header)
+  { return static_cast<double>(header.Grid.GetNumberOfVertices()); };
+  const double perSlice =
+    shown / all * std::pow(vertices(whole) / vertices(pass.Volume.lock()->GetHeader()), 2.0 / 3);
+  const auto slices = std::min(finished,
+    std::max<std::int64_t>(whole.BlockSize,
+      static_cast<std::int64_t>(std::min(all, FirstPartTriangles / std::max(1.0, perSlice)))));
+  refinement.Triangles = shown + perSlice * static_cast<double>(slices);
+  return slices;
+}
+
+//------------------------------------------------------------------------------
+bool ContourExecution::IsGrowthDue(std::int64_t slices, Refinement& refinement)
+{
+  Pass& pass = this->LastPass;
+  const Clock::time_point now = Clock::now();
+  if (pass.HasGrown)
+  {
+    pass.HasGrown = false;
+    pass.GrowthDue = now + GrowthRest * (now - pass.GrowthBegin);
+  }
+  if (slices <= pass.FinishedSlices || now < pass.GrowthDue)
+  {
+    return false;
+  }
+  refinement.Bytes = refinement.Triangles * EstimateBytesPerTriangle(pass.Request);
+  refinement.FreeBytes = static_cast<double>(this->FindFreeMemory());
+  return refinement.FreeBytes <= 0 || refinement.Bytes <= UsableMemoryShare * refinement.FreeBytes;
 }
 
 //------------------------------------------------------------------------------

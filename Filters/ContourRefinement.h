@@ -10,10 +10,11 @@ namespace isosurface
 /// How far the surface that follows a coarse one is.
 enum class RefinementStage
 {
-  None = 0,    ///< the surface is final, or nothing was extracted since the last change
-  Working = 1, ///< it is being extracted
-  Ready = 2,   ///< all ranks have it: Refine costs next to nothing
-  TooLarge = 3 ///< it is not extracted, since it would not fit into memory
+  None = 0,     ///< the surface is final, or nothing was extracted since the last change
+  Working = 1,  ///< it is being extracted
+  Ready = 2,    ///< all ranks have it: Refine costs next to nothing
+  TooLarge = 3, ///< it is not extracted, since it would not fit into memory
+  Growing = 4   ///< that of a sample; it becomes exact where its file is indexed meanwhile
 };
 
 /// Of a progressive surface or slice; equal on all ranks.

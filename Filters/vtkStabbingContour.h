@@ -199,9 +199,10 @@ public:
    * latest when the filter executes; DropRefinement at once. All ranks call it together.
    *
    * Refinement has what the last call found: a stage (0: nothing to refine, 1: at work, 2: ready, 3:
-   * not begun, since the surface would not fit into memory), the level that is shown, the next one,
+   * not begun, since the surface would not fit into memory, 4: what is shown of a sample becomes
+   * exact while its file is indexed), the level that is shown, the next one,
    * the final one, the finest one that fits into memory, how much of the next one is extracted (0
-   * to 1), its triangles (estimated, of all ranks), the bytes of memory that these need on a rank,
+   * to 1; of a sample, how much of the file is shown exactly), its triangles (estimated, of all ranks), the bytes of memory that these need on a rank,
    * and the free ones (0: unknown).
    *
    * AcceptSize allows surfaces that do not fit, until the next change. RefinementMemory: MiB that a

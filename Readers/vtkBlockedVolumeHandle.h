@@ -32,6 +32,7 @@ class vtkInformation;
 namespace isosurface
 {
 class BlockedVolume;
+class FinishedLayers;
 }
 
 class ISOSURFACEREADERS_EXPORT vtkBlockedVolumeHandle : public vtkObject
@@ -73,6 +74,17 @@ public:
    */
   void SetSampleText(const std::string& text) { this->SampleText = text; }
   const std::string& GetSampleText() const { return this->SampleText; }
+  ///@}
+
+  ///@{
+  /**
+   * The exact part of a file of which the volume is a sample; null if there is none.
+   */
+  void SetFinished(std::shared_ptr<isosurface::FinishedLayers> finished)
+  {
+    this->Finished = std::move(finished);
+  }
+  const std::shared_ptr<isosurface::FinishedLayers>& GetFinished() const { return this->Finished; }
   ///@}
 
   /**
@@ -120,6 +132,7 @@ private:
   bool Untried = true;
   std::vector<std::size_t> Arrays;
   std::string SampleText;
+  std::shared_ptr<isosurface::FinishedLayers> Finished;
   std::set<const vtkObject*> Takers;
   bool IsAsked = false;
   bool IsBox = false;

@@ -217,6 +217,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
   (*volume)->SetLocalStores(this->LocalStores);
   this->Handle->SetVolume(*volume);
   this->Handle->SetSampleText(this->StandIn ? this->StandInText : "");
+  this->Handle->SetFinished(this->StandIn ? this->StandIn->GetFinished() : nullptr);
   return true;
 }
 

@@ -228,6 +228,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
   }
   vtkNew<vtkBlockedVolumeHandle> standIn;
   standIn->SetVolume(volume);
+  standIn->SetFinished(text.empty() ? nullptr : reader.Growing->GetFinished());
   reader.SetStandIn(volume ? standIn.Get() : nullptr, text);
   if (!volume)
   {

@@ -3,6 +3,7 @@
 """From a file that nobody has indexed to a picture, beside programs that read the file first.
 
     first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz zarr ome h5] [--isovalue V] [--no-peers] [--warm]
+                     [--sample-only]
 
 Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, NIfTI
 (gzip 1), Zarr (blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64,
@@ -10,6 +11,8 @@ into the folder. Then, each in a process of its own that has loaded its librarie
 system's cache (that takes root; --warm leaves it there):
 
     picture   seconds from opening the file to the first picture of the surface, that of a sample
+    part      until a part of it is exact, beside the window; --sample-only leaves such parts out, so that two
+              runs tell what they cost
     index     until the file is indexed beside the window
     exact     until the picture of the whole surface
     freeze    after the first picture, the longest call for which a window would have waited until it had
@@ -133,7 +136,7 @@ class Picture:
         self.window.WaitForCompletion()
 
 
-def show_at_once(path, isovalue, begin):
+def show_at_once(path, isovalue, begin, grows):
     """The times of ours."""
     from scalable_isosurface import vtkInPlaceVolumeReader, vtkIsosurfaceMapper, vtkStabbingContour
 
@@ -155,6 +158,13 @@ def show_at_once(path, isovalue, begin):
         if reader.GetIndexing()[0] == 2:  # the index, or a larger sample
             reader.TakeIndex()
             contour.Update()
+        elif grows:
+            contour.PrepareRefinement(0)
+            if contour.GetRefinement()[0] == 2:
+                contour.Refine()
+                picture.show()
+                if contour.GetRefinement()[1] == 0:  # else it was a finer level of the sample
+                    times.setdefault("part", time.perf_counter() - begin)
         times["freeze"] = max(times["freeze"], time.perf_counter() - call)
     times["index"] = time.perf_counter() - begin
     contour.AllowCoarse(False)
@@ -210,11 +220,11 @@ def start_programs(who, is_cold):
             file.write("3")
 
 
-def measure(who, path, isovalue, is_cold):
+def measure(who, path, isovalue, is_cold, grows):
     start_programs(who, is_cold)
     begin, processor = time.perf_counter(), time.process_time()
     if who == "ours":
-        contour, times = show_at_once(path, isovalue, begin)
+        contour, times = show_at_once(path, isovalue, begin, grows)
     else:
         contour, kept = read_first(path, isovalue)
         Picture(contour).show()
@@ -229,17 +239,18 @@ def measure(who, path, isovalue, is_cold):
 
 def run(who, path, arguments):
     done = subprocess.run([sys.executable, __file__, "--measure", who, path, str(arguments.isovalue),
-                           "warm" if arguments.warm else "cold"], stdout=subprocess.PIPE, check=True)
+                           "warm" if arguments.warm else "cold",
+                           "sample" if arguments.sample_only else "parts"], stdout=subprocess.PIPE, check=True)
     times = json.loads(done.stdout.splitlines()[-1])
     print(f"  {who:6} " + "  ".join(
-        f"{name} {times[name]:.2f}" for name in ("picture", "index", "exact", "freeze", "processor") if name in times) +
+        f"{name} {times[name]:.2f}" for name in ("picture", "part", "index", "exact", "freeze", "processor") if name in times) +
         f"  peak {times['MiB']:.0f} MiB  {times['triangles']:,} triangles" +
         (f" ({times['coarse']:,} first: {times['shown']})" if "coarse" in times else ""), flush=True)
 
 
 def main():
     if sys.argv[1:2] == ["--measure"]:
-        measure(sys.argv[2], sys.argv[3], float(sys.argv[4]), sys.argv[5] == "cold")
+        measure(sys.argv[2], sys.argv[3], float(sys.argv[4]), sys.argv[5] == "cold", sys.argv[6] == "parts")
         return
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", nargs="?")
@@ -248,6 +259,7 @@ def main():
     parser.add_argument("--isovalue", type=float, default=1500)
     parser.add_argument("--no-peers", action="store_true", help="for volumes larger than memory")
     parser.add_argument("--warm", action="store_true")
+    parser.add_argument("--sample-only", action="store_true")
     arguments = parser.parse_args()
     for kind in arguments.formats:
         folder = tempfile.mkdtemp(dir=arguments.folder)

@@ -3,6 +3,7 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/FinishedLayers.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,6 +28,9 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   , Collector(ranks.GetSize() == 1 && this->Sample.Volume && this->Sample.Share < 1
         ? std::make_unique<SampleCollector>(this->Sample.WholeStep)
         : nullptr)
+  , Finished(ranks.GetSize() == 1 && this->Sample.Volume
+        ? std::make_shared<FinishedLayers>(files, OpenForeignVolume, this->Index.Path)
+        : nullptr)
 {
   if (ranks.GetSize() == 1 && !CanWriteIndex(files, this->Index))
   {
@@ -45,12 +49,30 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
         }
         return advance(done);
       };
-      const auto leftOut =
-        WriteSourceIndex(all, place, this->Index, memoryBytes, tell, this->Collector.get());
+      const auto leftOut = WriteSourceIndex(
+        all, place, this->Index, memoryBytes, tell, this->Collector.get(), this->Finished.get());
       ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
       this->LeftOut = *leftOut;
       return Status::Ok();
     });
+}
+
+GrowingIndex::~GrowingIndex()
+{
+  if (this->Finished)
+  {
+    this->Finished->End();
+  }
+}
+
+bool GrowingIndex::Advance(Communicator& ranks, double seconds)
+{
+  const bool hasEnded = this->Writing->Advance(ranks, seconds);
+  if (hasEnded && this->Finished)
+  {
+    this->Finished->End();
+  }
+  return hasEnded;
 }
 
 bool GrowingIndex::IsCurrent() const
@@ -76,6 +98,10 @@ Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const
 
 bool GrowingIndex::HasLargerSample()
 {
+  if (this->Finished && this->Finished->AreShown())
+  {
+    return false;
+  }
   const double share = this->Collector ? this->Collector->GetShare() : 0;
   const bool isWorth =
     share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);

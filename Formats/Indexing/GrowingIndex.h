@@ -22,6 +22,7 @@ namespace isosurface
 {
 
 class BlockedVolume;
+class FinishedLayers;
 
 /**
  * An index that is written beside the calling thread, and a sample of the source that is shown until
@@ -32,6 +33,8 @@ class BlockedVolume;
  * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
  * writing it may be.
  *
+ * Where there is one rank and a sample, surfaces can be extracted of what is indexed (GetFinished).
+ *
  * The destructor stops the writing. Then an older index stays as it was, and what is written of this
  * one is kept for the next try (WriteSourceIndex).
  */
@@ -41,21 +44,23 @@ public:
   /// Begins to write. Collective.
   GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index, SourceSample sample,
     std::uint64_t memoryBytes);
+  ~GrowingIndex();
 
   const SourceIndex& GetIndex() const { return this->Index; }
   const SourceSample& GetSample() const { return this->Sample; }
+  /// What is indexed of the first time step; null where it is not told. It stays valid without this
+  /// object.
+  const std::shared_ptr<FinishedLayers>& GetFinished() const { return this->Finished; }
   /// Whether there is a sample that is much larger than the last one: what is being indexed is
-  /// sampled, too, and made a volume beside the calling thread. Never where there are several ranks.
+  /// sampled, too, and made a volume beside the calling thread. Never where there are several ranks,
+  /// or while what is finished is shown, which is the same part of the file.
   bool HasLargerSample();
   /// Makes that the sample.
   Status EnlargeSample();
 
   /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
   /// Collective.
-  bool Advance(Communicator& ranks, double seconds)
-  {
-    return this->Writing->Advance(ranks, seconds);
-  }
+  bool Advance(Communicator& ranks, double seconds);
   /// Waits for the end (CollectiveTask::Finish). Collective.
   Status Finish(Communicator& ranks, const Progress& progress)
   {
@@ -84,7 +89,8 @@ private:
   FileSystem& Files;
   SourceSample Sample;
   std::unique_ptr<SampleCollector> Collector; ///< null if the sample is of all of the volume
-  std::shared_ptr<MemoryFileSystem> Memory;   ///< null if the index can be written to its place
+  std::shared_ptr<FinishedLayers> Finished;
+  std::shared_ptr<MemoryFileSystem> Memory; ///< null if the index can be written to its place
   std::chrono::steady_clock::time_point FirstTime; ///< that of FirstProgress, written before it
   SourceSample Larger;                             ///< the thread's until it has ended
   std::unique_ptr<BackgroundTask> Enlarging;       ///< makes it; null if nothing is much larger

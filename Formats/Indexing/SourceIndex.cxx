@@ -7,6 +7,7 @@
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/FinishedLayers.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
@@ -92,6 +93,23 @@ Result<OpenedStep> OpenStep(
     opened.Settings.Time = opened.Volume.Times[step];
   }
   return opened;
+}
+
+/// Has a writer tell which blocks of a time step are finished.
+void TellFinished(OpenedStep& step, FinishedLayers& finished)
+{
+  BlockedVolumeHeader header;
+  header.Grid = step.Volume.Grid;
+  header.Lines = step.Settings.Lines;
+  header.FrameGrid();
+  header.BlockSize = step.Settings.BlockSize;
+  header.NumberOfLevels = 1;
+  header.Arrays = step.Volume.Arrays;
+  header.TimeSteps.emplace_back().Source = step.Settings.InPlace;
+  finished.Begin(std::move(header));
+  step.Settings.WhenFinished =
+    [&finished](std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges)
+  { finished.Add(blocks, ranges); };
 }
 
 } // namespace
@@ -216,7 +234,7 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index)
 
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress,
-  SampleCollector* collector)
+  SampleCollector* collector, FinishedLayers* finished)
 {
   BlockedVolumeWriter writer(ranks, files);
   std::string leftOut;
@@ -232,6 +250,10 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
     if (collector && step == 0)
     {
       collector->Attach(opened->Volume);
+    }
+    if (finished && step == 0 && opened->Settings.InPlace)
+    {
+      TellFinished(*opened, *finished);
     }
     opened->Settings.Publish = step + 1 == steps;
     const Progress tell = [&](double share) {

@@ -14,6 +14,7 @@
 namespace isosurface
 {
 
+class FinishedLayers;
 class SampleCollector;
 
 /// A file of another format, and the blocked volume that is its index: in place, or of a stream, which
@@ -75,12 +76,13 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
  * as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an
  * error or stop, an older index stays as it was; what was written of this one is kept, too, and the
  * next call goes on there if the source is the same (BlockedVolumeSettings::JournalSeconds).
- * `collector`, if there is one, sees what is read of the first time step. Cost and errors: as
+ * `collector`, if there is one, sees what is read of the first time step. `finished`, if there is one
+ * and one rank, is told which blocks of it are finished, unless it is a copy. Cost and errors: as
  * BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},
-  SampleCollector* collector = nullptr);
+  SampleCollector* collector = nullptr, FinishedLayers* finished = nullptr);
 
 } // namespace isosurface
 

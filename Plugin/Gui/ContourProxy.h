@@ -15,7 +15,8 @@ struct RefinementReport
     Nothing,
     Working,
     Ready,
-    TooLarge
+    TooLarge,
+    Growing
   };
   int Stage = Nothing;
   int ShownLevel = 0;

@@ -43,14 +43,6 @@ struct IndexReport
   double Seconds = -1;
 };
 
-/// What views show of the reader's volume.
-vtkBoundingBox FindBounds(pqPipelineSource* reader)
-{
-  double bounds[6];
-  reader->getSourceProxy()->GetDataInformation(0)->GetBounds(bounds);
-  return vtkBoundingBox(bounds);
-}
-
 IndexReport ReadReport(vtkSMProxy* reader)
 {
   reader->UpdatePropertyInformation(reader->GetProperty("Indexing"));
@@ -103,6 +95,29 @@ bool pqIndexStatus::IsReader(vtkSMProxy* proxy)
 }
 
 //------------------------------------------------------------------------------
+vtkBoundingBox pqIndexStatus::FindBounds(pqPipelineSource* source)
+{
+  double bounds[6];
+  source->getSourceProxy()->GetDataInformation(0)->GetBounds(bounds);
+  return vtkBoundingBox(bounds);
+}
+
+//------------------------------------------------------------------------------
+void pqIndexStatus::FrameIfLarger(pqPipelineSource* source, const vtkBoundingBox& before)
+{
+  const auto measure = [](const vtkBoundingBox& bounds)
+  { return bounds.IsValid() ? bounds.GetDiagonalLength() : 0; };
+  // The last slice of a sample may be a little before that of the volume.
+  if (measure(FindBounds(source)) > 1.1 * measure(before))
+  {
+    for (pqView* view : source->getViews())
+    {
+      view->resetDisplay();
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
 void pqIndexStatus::Watch(pqPipelineSource* source)
 {
   const bool isKnown =
@@ -152,14 +167,9 @@ void pqIndexStatus::Update(const Sources& changed)
   }
   for (std::size_t number = 0; number < changed.size(); ++number)
   {
-    const QPointer<pqPipelineSource>& reader = changed[number];
-    // The last slice of a sample may be a little before that of the volume.
-    if (reader && FindBounds(reader).GetDiagonalLength() > 1.1 * before[number].GetDiagonalLength())
+    if (const QPointer<pqPipelineSource>& reader = changed[number])
     {
-      for (pqView* view : reader->getViews())
-      {
-        view->resetDisplay();
-      }
+      FrameIfLarger(reader, before[number]);
     }
   }
 }

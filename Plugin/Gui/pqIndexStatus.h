@@ -19,6 +19,7 @@
 
 class pqPipelineSource;
 class pqTimer;
+class vtkBoundingBox;
 class vtkSMProxy;
 
 class pqIndexStatus : public QToolButton
@@ -38,6 +39,9 @@ public:
   static constexpr int SliceMilliseconds = 60;
 
   static bool IsReader(vtkSMProxy* proxy);
+  static vtkBoundingBox FindBounds(pqPipelineSource* source);
+  /// Has views show all of what is much larger than these bounds, which it had before.
+  static void FrameIfLarger(pqPipelineSource* source, const vtkBoundingBox& before);
 
   /// Waits until no index is written any more, before something is saved.
   void Finish();

@@ -352,8 +352,7 @@ void pqProgressiveContourBehavior::Watch(pqPipelineSource* source)
   }
   else
   {
-    known->Asked = false; // a new surface
-    known->Ready.invalidate();
+    *known = { source }; // a new surface
   }
   this->Timer->start(0);
 }
@@ -398,7 +397,9 @@ void pqProgressiveContourBehavior::Advance()
   }
   if (!this->All.empty())
   {
-    this->Timer->start(PollMilliseconds);
+    const bool areGrowing = std::all_of(
+      this->All.begin(), this->All.end(), [](const Watched& watched) { return watched.IsGrowing; });
+    this->Timer->start(areGrowing ? GrowthMilliseconds : PollMilliseconds);
   }
 }
 
@@ -417,8 +418,16 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
     return false;
   }
   const RefinementReport report = isosurface::ReadRefinement(contour);
+  watched.IsGrowing = report.Stage == RefinementReport::Growing;
+  watched.HasGrown = watched.HasGrown || watched.IsGrowing;
   switch (report.Stage)
   {
+    case RefinementReport::Growing:
+      this->FrameGrown(watched.Source);
+      this->Status->ShowGrowth(report);
+      CallOnServer(contour, "PrepareRefinement", slice);
+      keep = true;
+      return false;
     case RefinementReport::Working:
       this->Status->ShowRefinement(report);
       CallOnServer(contour, "PrepareRefinement", slice);
@@ -429,6 +438,10 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       if (!keep)
       {
         watched.IsLarge = report.Triangles > LargeSurface;
+        if (watched.HasGrown)
+        {
+          this->BoundsBefore[contour->GetGlobalID()] = pqIndexStatus::FindBounds(watched.Source);
+        }
         contour->InvokeCommand("Refine");
       }
       return !keep;
@@ -446,6 +459,17 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       }
       // Else it was changed since, and is watched again when it has been updated.
       return false;
+  }
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::FrameGrown(pqPipelineSource* source)
+{
+  const auto before = this->BoundsBefore.find(source->getProxy()->GetGlobalID());
+  if (before != this->BoundsBefore.end())
+  {
+    pqIndexStatus::FrameIfLarger(source, before->second);
+    this->BoundsBefore.erase(before);
   }
 }
 

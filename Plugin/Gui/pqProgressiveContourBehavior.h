@@ -22,10 +22,14 @@
 
 #include "ContourProxy.h"
 
+#include "vtkBoundingBox.h"
+#include "vtkType.h"
+
 #include <QElapsedTimer>
 #include <QObject>
 #include <QPointer>
 
+#include <map>
 #include <vector>
 
 class QDialog;
@@ -46,6 +50,8 @@ public:
 
   /// Between two questions how far a surface is.
   static constexpr int PollMilliseconds = 10;
+  /// The same while surfaces wait for more of a file to be indexed.
+  static constexpr int GrowthMilliseconds = 100;
   /// That the ranks of a server sleep while they extract, so that their waiting for messages does
   /// not take the cores.
   static constexpr int SliceMilliseconds = 60;
@@ -87,6 +93,8 @@ private:
   {
     QPointer<pqPipelineSource> Source;
     bool Asked = false;       ///< whether the server has been told to prepare
+    bool IsGrowing = false;   ///< whether it waits for more of a file to be indexed
+    bool HasGrown = false;    ///< whether it did, since it was shown
     bool IsLarge = false;     ///< whether the next surface takes long to draw
     QElapsedTimer Ready = {}; ///< since the next surface waits to be shown
   };
@@ -103,6 +111,8 @@ private:
   /// Whether to let a surface wait: while it is drawn for the first time, the window does not
   /// answer, and a hand that moves is about to do something.
   bool IsHandMoving(Watched& watched, const isosurface::RefinementReport& report) const;
+  /// Has views show all of a surface that has grown with its index.
+  void FrameGrown(pqPipelineSource* source);
   void AskAboutSize(pqPipelineSource* source, const isosurface::RefinementReport& report);
   void UseLevel(pqPipelineSource* source, int level);
 
@@ -112,6 +122,7 @@ private:
   QPointer<pqIndexStatus> Indices;     ///< the same
   QPointer<QDialog> Question;          ///< about a surface that is too large
   std::vector<Watched> All;
+  std::map<vtkTypeUInt32, vtkBoundingBox> BoundsBefore; ///< of those that grow, by the proxies' ids
   QElapsedTimer LastInput; ///< since the mouse or a key was last used
   bool Finishing = false;
   bool ChangingTime = false;

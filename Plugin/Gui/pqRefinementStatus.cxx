@@ -79,6 +79,13 @@ void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
 }
 
 //------------------------------------------------------------------------------
+void pqRefinementStatus::ShowGrowth(const RefinementReport& report)
+{
+  this->setText(tr("The first %1 % exact").arg(std::floor(100 * report.Share)));
+  this->ShowBegin();
+}
+
+//------------------------------------------------------------------------------
 void pqRefinementStatus::ShowEnd(int level, bool stopped)
 {
   this->Stop->setEnabled(false);

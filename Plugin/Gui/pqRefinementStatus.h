@@ -31,6 +31,8 @@ public Q_SLOTS:
   /// That a surface may get finer.
   void ShowBegin();
   void ShowRefinement(const isosurface::RefinementReport& report);
+  /// How much of a file is shown exactly, while it is indexed.
+  void ShowGrowth(const isosurface::RefinementReport& report);
   /// That a surface is as it is: final or not.
   void ShowEnd(int level, bool stopped);
 

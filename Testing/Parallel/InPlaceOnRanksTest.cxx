@@ -195,6 +195,36 @@ TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
   EXPECT_EQ(this->Reader->GetIndexing()[0], 0);
 }
 
+TEST_F(FirstContact, OfOneRankIsExactWhereTheFileIsIndexed)
+{
+  this->Contour->Modified();
+  this->Contour->AllowCoarse(1);
+  this->Update();
+  this->Contour->AllowCoarse(0);
+  for (int passes = 0; !this->Contour->GetFinal() && passes < 10; ++passes)
+  {
+    this->Contour->Refine();
+    this->Update();
+  }
+  EXPECT_EQ(this->Advance(), 2);
+  const auto prepare = [&]
+  {
+    this->Contour->PrepareRefinement(1000);
+    return static_cast<int>(this->Contour->GetRefinement()[0]);
+  };
+  if (GetNumberOfRanks() > 1)
+  {
+    EXPECT_EQ(prepare(), 0);
+    return;
+  }
+  EXPECT_EQ(prepare(), 4);
+  EXPECT_EQ(prepare(), 2);
+  this->Contour->Refine();
+  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+  EXPECT_EQ(prepare(), 0) << "all is exact";
+  EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+}
+
 TEST_F(FirstContact, ASliceSaysThatItIsOfASampleUntilItIsOfTheIndex)
 {
   vtkNew<vtkVolumeSlice> slice;

@@ -29,6 +29,8 @@ public:
   void Stop() { this->Work.Stop(); }
   /// Sleeps until the extraction has ended, but not longer than this; whether it has.
   bool Wait(double seconds) { return this->Work.Wait(seconds); }
+  /// How it ended. Only after Wait() has returned true.
+  const Status& GetStatus() const { return this->Work.GetStatus(); }
   /// The finished fraction, 0 to 1.
   double GetProgress() const { return this->Work.GetProgress(); }
 

@@ -9,8 +9,10 @@
 #include "Ground/Base/Status.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/FinishedLayers.h"
 #include "Surface/Contour/Surface.h"
 
+#include <cstdint>
 #include <memory>
 
 namespace isosurface
@@ -29,6 +31,10 @@ struct ExtractionTask
   /// What is extracted is the same in all, but which rank has which block may differ from call to
   /// call.
   Communicator* Sharing = nullptr;
+  /// If given, the volume is a sample of one that is being written, of which so many slices of cells
+  /// are extracted exactly; of the sample only what lies behind them. For one rank.
+  std::shared_ptr<FinishedLayers> Finished = nullptr;
+  std::int64_t FinishedSlices = 0;
 };
 
 struct ExtractionOutcome

@@ -44,7 +44,8 @@ bool VolumeContour::IsPrepared(const ExtractionTask& task, int level) const
   const SurfaceQuery* prepared = this->Prepared ? &this->Prepared->GetTask().Query : nullptr;
   const bool isMine = prepared && this->Prepared->GetLevel() == level &&
     prepared->Rank == task.Query.Rank && prepared->Ranks == task.Query.Ranks &&
-    this->PreparedEpoch == task.Volume->GetFaultEpoch();
+    this->PreparedEpoch == task.Volume->GetFaultEpoch() &&
+    this->Prepared->GetTask().FinishedSlices == task.FinishedSlices;
   if (!task.Sharing)
   {
     return isMine;

@@ -185,6 +185,10 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     {
       this->Volume->KeepJournal(this->Journal);
     }
+    if (this->Context.Size == 1)
+    {
+      this->Volume->SetWhenFinished(this->Context.Settings.WhenFinished);
+    }
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(plan)));

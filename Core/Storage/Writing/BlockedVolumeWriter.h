@@ -10,6 +10,7 @@
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/MemorySource.h"
+#include "Ground/Volume/ValueKey.h"
 #include "Storage/Distribution/BlockDistribution.h"
 #include "Storage/Record/BlockCompression.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
@@ -61,6 +62,10 @@ struct BlockedVolumeSettings
   /// Called on the first rank, before anything is written, if the disk has not the room that the
   /// samples take uncompressed.
   std::function<void(const std::string& warning)> Warn;
+  /// Called where one rank writes, by its writing thread: so many blocks of the volume are finished,
+  /// from the first one on, and ranges[variable][block] are their value ranges (FinishedLayers).
+  std::function<void(std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges)>
+    WhenFinished;
   /// Bytes that a rank may take, besides those that its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
   int Threads = 0; ///< 0: this rank's share of the node's cores

@@ -425,6 +425,10 @@ Status ResolutionWriter::WriteBlocks()
   steps.AfterRound = [&](std::int64_t blocks, bool isStopping,
                        const std::function<Status()>& waitUntilWritten) -> Status
   {
+    if (this->TellFinished)
+    {
+      this->TellFinished(blocks, this->Counts->GetRanges());
+    }
     if (!this->Journal || !this->IsCheckpointDue(blocks, isStopping))
     {
       return Status::Ok();

@@ -18,7 +18,9 @@ struct PointPlan
   std::vector<std::pair<std::size_t, std::size_t>> OldNumbers; ///< (surface, point) by new number
 };
 
-PointPlan PlanPoints(const std::vector<Surface>& surfaces, std::vector<SurfacePart>& parts)
+/// `areApart`: whether all points stay.
+PointPlan PlanPoints(
+  const std::vector<Surface>& surfaces, std::vector<SurfacePart>& parts, bool areApart)
 {
   PointPlan plan;
   std::size_t total = 0;
@@ -28,7 +30,7 @@ PointPlan PlanPoints(const std::vector<Surface>& surfaces, std::vector<SurfacePa
     total += surface.NumberOfPoints;
   }
   std::unordered_map<std::int64_t, std::int64_t> numbers;
-  numbers.reserve(total);
+  numbers.reserve(areApart ? 0 : total);
   plan.OldNumbers.reserve(total);
   for (std::size_t part = 0; part < parts.size(); ++part)
   {
@@ -39,12 +41,13 @@ PointPlan PlanPoints(const std::vector<Surface>& surfaces, std::vector<SurfacePa
       for (std::size_t point = old.FirstPoint; point < old.FirstPoint + old.NumberOfPoints; ++point)
       {
         const auto next = static_cast<std::int64_t>(plan.OldNumbers.size());
-        const auto entry = numbers.emplace(surfaces[piece].GlobalIds[point], next);
-        if (entry.second)
+        const std::int64_t number =
+          areApart ? next : numbers.emplace(surfaces[piece].GlobalIds[point], next).first->second;
+        if (number == next)
         {
           plan.OldNumbers.emplace_back(piece, point);
         }
-        plan.NewNumbers[piece][point] = entry.first->second;
+        plan.NewNumbers[piece][point] = number;
       }
     }
     parts[part].NumberOfPoints = plan.OldNumbers.size() - parts[part].FirstPoint;
@@ -136,9 +139,7 @@ void CopyCells(const std::vector<Surface>& surfaces, const PointPlan& plan, Surf
   }
 }
 
-} // namespace
-
-Surface MergeSurfaces(const std::vector<Surface>& surfaces)
+Surface Merge(const std::vector<Surface>& surfaces, bool areApart)
 {
   Surface merged;
   if (surfaces.empty())
@@ -146,7 +147,7 @@ Surface MergeSurfaces(const std::vector<Surface>& surfaces)
     return merged;
   }
   merged.Parts = surfaces.front().Parts;
-  const PointPlan plan = PlanPoints(surfaces, merged.Parts);
+  const PointPlan plan = PlanPoints(surfaces, merged.Parts, areApart);
   CopyPoints(surfaces, plan, merged);
 
   std::size_t entries = 0;
@@ -179,6 +180,18 @@ Surface MergeSurfaces(const std::vector<Surface>& surfaces)
     CopyCells(surfaces, plan, merged, merged.Connectivity.Values32, merged.Offsets.Values32);
   }
   return merged;
+}
+
+} // namespace
+
+Surface MergeSurfaces(const std::vector<Surface>& surfaces)
+{
+  return Merge(surfaces, false);
+}
+
+Surface JoinSurfaces(const std::vector<Surface>& surfaces)
+{
+  return Merge(surfaces, true);
 }
 
 void ShiftGlobalIds(std::int64_t shift, Surface& surface)

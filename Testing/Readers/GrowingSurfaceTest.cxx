@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The surface of a file while it is indexed: exact where it is indexed, behind that of a sample.
+#include "ScratchFolder.h"
+#include "TestVolumes.h"
+
+#include "vtkBlockedVolumeHandle.h"
+#include "vtkBlockedVolumeReader.h"
+#include "vtkStabbingContour.h"
+
+#include "vtkDataArray.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+
+#include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Base/Communicator.h"
+#include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/FinishedLayers.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <thread>
+
+using namespace isosurface;
+
+namespace
+{
+
+/// Reads a sample of a file, of which a part is indexed.
+class SampleReader : public vtkBlockedVolumeReader
+{
+public:
+  static SampleReader* New();
+  vtkTypeMacro(SampleReader, vtkBlockedVolumeReader);
+
+  void Show(const std::string& sample, std::shared_ptr<FinishedLayers> finished)
+  {
+    vtkNew<vtkBlockedVolumeHandle> standIn;
+    standIn->SetVolume(*BlockedVolume::Open(sample));
+    standIn->SetFinished(std::move(finished));
+    this->SetStandIn(standIn, "a sample");
+  }
+};
+vtkStandardNewMacro(SampleReader);
+
+/// The triangles in some slices of cells of a grid, and their points. One within a face of cells
+/// belongs to the cell before it.
+EdgeSurface KeepSlices(const EdgeSurface& surface, vtkImageData* image, int begin, int end)
+{
+  const int* size = image->GetDimensions();
+  const auto findSlice = [&](std::int64_t edge) { return edge / 3 / (size[0] * size[1]); };
+  EdgeSurface kept;
+  std::set<std::int64_t> edges;
+  for (const EdgeSurface::Triangle& triangle : surface.Triangles)
+  {
+    std::int64_t slice = findSlice(*std::min_element(triangle.begin(), triangle.end()));
+    const bool isFlat = std::all_of(triangle.begin(), triangle.end(),
+      [&](std::int64_t edge) { return edge % 3 != 2 && findSlice(edge) == slice; });
+    slice -= isFlat ? 1 : 0;
+    if (slice >= begin && slice < end)
+    {
+      kept.Triangles.push_back(triangle);
+      edges.insert(triangle.begin(), triangle.end());
+    }
+  }
+  std::copy_if(surface.Points.begin(), surface.Points.end(), std::back_inserter(kept.Points),
+    [&](const EdgePoint& point) { return edges.count(point.Edge) > 0; });
+  return kept;
+}
+
+class GrowingSurface : public testing::Test
+{
+protected:
+  static constexpr double Isovalue = 60.5;
+  static constexpr int Growing = 4;
+  static constexpr int Ready = 2;
+
+  GrowingSurface()
+  {
+    const int* size = this->Image->GetDimensions();
+    std::ofstream(this->Source, std::ios::binary)
+      .write(static_cast<const char*>(this->Image->GetScalarPointer()),
+        static_cast<std::streamsize>(2) * size[0] * size[1] * size[2]);
+    WriteVolume(this->Sample, this->Folder.GetPath("sample.bvol"));
+    this->WriteIndex();
+    this->Reader->Show(this->Folder.GetPath("sample.bvol"), this->Finished);
+  }
+
+  /// Writes the index, and keeps what is told meanwhile.
+  void WriteIndex()
+  {
+    FileSystem& files = GetLocalFileSystem();
+    auto volume = OpenForeignVolume(files, this->Source, {});
+    ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
+    BlockedVolumeSettings settings;
+    settings.BlockSize = 16;
+    settings.Distribution = DistributionMethod::Slab;
+    settings.InPlace = *DescribeSource(
+      files, OpenForeignVolume, this->Index, this->Source, {}, volume->Grid, volume->Arrays);
+    settings.WhenFinished = [&](
+                              std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges)
+    {
+      EXPECT_GT(blocks, this->Blocks);
+      this->Blocks = blocks;
+      this->Ranges = ranges;
+    };
+    BlockedVolumeHeader header;
+    header.Grid = volume->Grid;
+    header.BlockSize = 16;
+    header.NumberOfLevels = 1;
+    header.Arrays = volume->Arrays;
+    header.TimeSteps.emplace_back().Source = settings.InPlace;
+    this->Finished->Begin(header);
+    SerialCommunicator alone;
+    const auto written = BlockedVolumeWriter(alone).Write(
+      this->Index, volume->Grid, volume->Arrays, *volume->Source, settings);
+    ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+    EXPECT_EQ(this->Blocks, 6 * 5 * 7);
+  }
+
+  /// Shows a surface as a window does, up to the finest level of the sample.
+  void Show()
+  {
+    this->Contour->AllowCoarse(1);
+    this->Contour->Update();
+    this->Contour->AllowCoarse(0);
+    for (int passes = 0; !this->Contour->GetFinal() && passes < 10; ++passes)
+    {
+      this->Contour->Refine();
+      this->Contour->Update();
+    }
+  }
+  int Prepare()
+  {
+    this->Contour->PrepareRefinement(1000);
+    return static_cast<int>(this->Contour->GetRefinement()[0]);
+  }
+  /// The stage when no more is awaited.
+  int PrepareToTheEnd()
+  {
+    int stage = this->Prepare();
+    for (int tries = 0; stage == Growing && tries < 1000; ++tries)
+    {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      stage = this->Prepare();
+    }
+    return stage;
+  }
+  /// Shows what more there is.
+  vtkPolyData* Grow()
+  {
+    EXPECT_EQ(this->PrepareToTheEnd(), Ready);
+    this->Contour->Refine();
+    this->Contour->Update();
+    this->Prepare(); // from now on it rests as long as it was awaited
+    return this->Contour->GetOutput();
+  }
+
+  /// Expects the exact surface in the first slices, and that of the sample behind them.
+  void ExpectParts(vtkPolyData* surface, int slices)
+  {
+    const std::int64_t ids = 3 * static_cast<std::int64_t>(this->Image->GetNumberOfPoints());
+    const EdgeSurface exact = ToEdges(surface, 0, ids);
+    EXPECT_GT(exact.Triangles.size(), 100u);
+    EXPECT_TRUE(AreEqual(
+      exact, KeepSlices(ContourByFlyingEdges(this->Image, Isovalue), this->Image, 0, slices)));
+    const EdgeSurface behind = ToEdges(surface, ids);
+    EXPECT_TRUE(AreEqual(behind,
+      KeepSlices(ContourByFlyingEdges(this->Sample, Isovalue), this->Sample, slices / 4, 1000)));
+    EXPECT_EQ(behind.Triangles.empty(), slices > 90) << "the surface is closed";
+  }
+
+  const ScratchFolder Folder;
+  const vtkSmartPointer<vtkImageData> Image = MakeClosedVolume({ 0, 90, 0, 70, 0, 100 }, VTK_SHORT);
+  const vtkSmartPointer<vtkImageData> Sample = SubsampleImage(this->Image, 2);
+  const std::string Source = this->Folder.GetPath("scan_91x71x101_int16.raw");
+  const std::string Index = this->Folder.GetPath("scan.bvol");
+  const std::shared_ptr<FinishedLayers> Finished =
+    std::make_shared<FinishedLayers>(GetLocalFileSystem(), OpenForeignVolume, this->Index);
+  std::int64_t Blocks = 0;
+  std::vector<std::vector<KeyRange>> Ranges;
+  const vtkNew<SampleReader> Reader;
+  const vtkSmartPointer<vtkStabbingContour> Contour = MakeContour(this->Reader, Isovalue);
+  const ExpectNoErrors ReaderErrors{ this->Reader };
+  const ExpectNoErrors ContourErrors{ this->Contour };
+};
+
+TEST_F(GrowingSurface, IsExactWhereTheFileIsIndexedAndThatOfTheSampleBehind)
+{
+  this->Show();
+  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue));
+  EXPECT_EQ(this->Prepare(), Growing) << "nothing is indexed";
+  this->Finished->Add(29, this->Ranges);
+  EXPECT_EQ(this->Prepare(), Growing) << "a layer has 30 blocks";
+  this->Finished->Add(100, this->Ranges);
+  this->ExpectParts(this->Grow(), 48);
+  EXPECT_EQ(this->Prepare(), Growing) << "nothing more is indexed";
+  EXPECT_NEAR(this->Contour->GetRefinement()[5], 0.48, 1e-9);
+  this->Finished->Add(this->Blocks, this->Ranges);
+  this->Finished->End();
+  this->ExpectParts(this->Grow(), 96); // twice as deep
+  vtkPolyData* surface = this->Grow();
+  this->ExpectParts(surface, 100);
+  EXPECT_EQ(this->Prepare(), 0) << "it is complete";
+  vtkSmartPointer<vtkStabbingContour> ofIndex = MakeContour(MakeReader(this->Index), Isovalue);
+  ofIndex->Update();
+  EXPECT_TRUE(AreEqual(ToEdges(surface), ToEdges(ofIndex->GetOutput())));
+}
+
+TEST_F(GrowingSurface, BeginsAnewAfterAChangeAndInterpolatesArrays)
+{
+  this->Finished->Add(100, this->Ranges);
+  this->Show();
+  this->Grow();
+  const char* const array = "density";
+  this->Contour->SetValue(0, 30.5);
+  this->Contour->ComputeScalarsOff();
+  this->Contour->AddInterpolatedArray(array);
+  this->Show();
+  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, 30.5));
+  vtkPolyData* surface = this->Grow();
+  EXPECT_GT(surface->GetNumberOfPolys(), 1000);
+  double range[2];
+  surface->GetPointData()->GetArray(array)->GetRange(range);
+  EXPECT_NEAR(range[0], 30.5, 1e-4);
+  EXPECT_NEAR(range[1], 30.5, 1e-4);
+}
+
+TEST_F(GrowingSurface, StaysThatOfTheSampleForWhomeverTheWindowDoesNotAskFor)
+{
+  this->Finished->Add(100, this->Ranges);
+  this->Contour->Update();
+  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue));
+  EXPECT_EQ(this->Prepare(), 0);
+}
+
+TEST_F(GrowingSurface, StaysAsItIsWhenTheSourceIsChanged)
+{
+  this->Show();
+  std::ofstream(this->Source, std::ios::binary) << "something else";
+  this->Finished->Add(100, this->Ranges);
+  EXPECT_EQ(this->PrepareToTheEnd(), 0);
+  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue));
+}
+
+} // namespace
