@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkContourSpectrum.h"
 
-#include "ChosenScalars.h"
 #include "ContouredArray.h"
-#include "ImagePieces.h"
+#include "ImageSpectrum.h"
 #include "SpectrumTable.h"
 #include "VolumeInput.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -26,12 +25,11 @@
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
+#include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Storage/Store/BlockedVolume.h"
-#include "Surface/Spectrum/GridSpectrum.h"
 
-#include <algorithm>
-#include <optional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,72 +37,19 @@
 vtkStandardNewMacro(vtkContourSpectrum);
 vtkCxxSetObjectMacro(vtkContourSpectrum, Controller, vtkMultiProcessController);
 
-using isosurface::GridSpectrum;
-using isosurface::KeyRange;
-using isosurface::Result;
+using isosurface::ImageSpectrum;
 using isosurface::Status;
 using isosurface::StatusCode;
-using isosurface::ValueType;
-using isosurface::WorkloadSpectrum;
 
 namespace
 {
 
 constexpr const char* NoSpectrum = "the spectrum cannot be made";
 
-// The type of the scalars of all ranks; nothing if there are none, an error if there are several.
-Result<std::optional<ValueType>> FindType(
-  isosurface::Communicator& ranks, const std::vector<isosurface::SampleView>& scalars)
-{
-  constexpr std::uint64_t none = 1000;
-  std::vector<std::uint64_t> minimum = { none };
-  std::vector<std::uint64_t> maximum = { 0 };
-  for (const isosurface::SampleView& view : scalars)
-  {
-    const auto type = static_cast<std::uint64_t>(view.Type);
-    minimum[0] = std::min(minimum[0], type);
-    maximum[0] = std::max(maximum[0], type);
-  }
-  ranks.ReduceMinimum(minimum);
-  ranks.ReduceMaximum(maximum);
-  if (minimum[0] == none)
-  {
-    return std::optional<ValueType>();
-  }
-  if (minimum[0] != maximum[0])
-  {
-    return Status(StatusCode::InvalidArgument,
-      "the input's images have arrays of several types; their values cannot share bins");
-  }
-  return std::optional<ValueType>(static_cast<ValueType>(minimum[0]));
-}
-
-// scalars: those of each piece.
-std::vector<GridSpectrum> MakeGridSpectra(const isosurface::ImagePieces& pieces,
-  const std::vector<isosurface::SampleView>& scalars, ValueType type, int threads)
-{
-  std::vector<GridSpectrum> spectra;
-  for (std::size_t grid = 0; grid < pieces.Grids.size(); ++grid)
-  {
-    std::vector<isosurface::SampleView> views;
-    for (std::size_t piece = 0; piece < pieces.Pieces.size(); ++piece)
-    {
-      if (pieces.Pieces[piece].Grid == grid)
-      {
-        views.push_back(scalars[piece]);
-      }
-    }
-    isosurface::MeasuredGrid measured{ pieces.Grids[grid] };
-    if (const auto& lines = pieces.Lines[grid])
-    {
-      measured.Lines = &*lines;
-      measured.Geometry =
-        lines->MakeFrame(measured.Geometry, { { 0, 0, 0 }, measured.Geometry.GetDimensions() });
-    }
-    spectra.emplace_back(measured, type, std::move(views), threads);
-  }
-  return spectra;
-}
+// The stages in Counting, whose numbers are doubles.
+constexpr double Nothing = 0;
+constexpr double Working = 1;
+constexpr double Ready = 2;
 
 } // namespace
 
@@ -119,11 +64,19 @@ struct vtkContourSpectrum::Steps
   std::string GetArrayName() const;
   /// Fills the table of the first rank with the spectra that the volume has.
   Status ReadFromVolume(const isosurface::VolumeInput& input) const;
-  /// Fills it with the spectra of images that all ranks have pieces of. Collective.
+  /// Fills it with the spectra of images that all ranks have pieces of, or begins to count these beside
+  /// this thread. Collective.
   Status CountInImages(vtkInformation* inInfo) const;
-  /// The spectra of the grids, in equal bins. Collective.
-  Result<std::vector<WorkloadSpectrum>> Count(
-    ValueType type, std::vector<GridSpectrum> grids) const;
+  Status Begin(std::unique_ptr<ImageSpectrum> images) const;
+  Status Fill(const ImageSpectrum& images) const;
+};
+
+/// Spectra that are counted beside the calling thread.
+struct vtkContourSpectrum::Beside
+{
+  std::uint64_t Fingerprint = 0;
+  std::unique_ptr<ImageSpectrum> Images;
+  std::unique_ptr<isosurface::CollectiveTask> Work; ///< the last member: it uses the others
 };
 
 //------------------------------------------------------------------------------
@@ -132,6 +85,8 @@ vtkContourSpectrum::vtkContourSpectrum()
   , StoreQuantity(-1)
   , NumberOfThreads(0)
   , Controller(nullptr)
+  , SamplesAtOnce(VTK_INT_MAX)
+  , Counting{ Nothing, 0 }
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -256,6 +211,8 @@ std::string vtkContourSpectrum::Steps::GetArrayName() const
 //------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& input) const
 {
+  this->Filter.Counted.reset();
+  this->Filter.Counting[0] = Nothing;
   if (this->Ranks.GetRank() != 0)
   {
     return Status::Ok();
@@ -282,47 +239,62 @@ Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& 
 //------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
-  const int threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
-  isosurface::CellAverages averages;
-  const auto pieces = isosurface::CollectContouredPieces(
+  auto images = std::make_unique<ImageSpectrum>();
+  ISOSURFACE_RETURN_IF_ERROR(images->Collect(
     this->Ranks, inInfo,
     [this](vtkImageData* image, int& association)
     { return this->Filter.GetInputArrayToProcess(0, image, association); },
-    this->GetArrayName(), this->Filter.Component, averages, threads);
-  ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
-  std::vector<isosurface::ChosenScalars> chosen;
-  std::vector<isosurface::SampleView> scalars;
-  const auto choose = [&]
-  {
-    for (const isosurface::ImagePiece& piece : pieces->Pieces)
-    {
-      const int component = *isosurface::FindChosenComponent(
-        static_cast<int>(piece.Samples.Components.size()), this->Filter.Component);
-      chosen.emplace_back(piece.Samples, component, threads);
-      scalars.push_back(chosen.back().GetView(piece.Samples));
-    }
-    return Status::Ok();
+    this->GetArrayName(), this->Filter.Component,
+    this->Ranks.ChooseThreads(this->Filter.NumberOfThreads)));
+  const std::unique_ptr<Beside> beside = std::move(this->Filter.Counted);
+  this->Filter.Counting[0] = Nothing;
+  std::vector<std::uint64_t> counted = {
+    beside && beside->Work->HasEnded() && beside->Fingerprint == images->ComputeFingerprint() ? 1u
+                                                                                              : 0u
   };
-  ISOSURFACE_RETURN_IF_ERROR(isosurface::AttemptOnAll(this->Ranks, NoSpectrum, choose));
-  const auto type = FindType(this->Ranks, scalars);
-  if (!type.IsOk() || !*type)
+  this->Ranks.ReduceMinimum(counted);
+  if (counted[0] != 0)
   {
-    return type.GetStatus();
+    ISOSURFACE_RETURN_IF_ERROR(beside->Work->GetStatus());
+    return this->Fill(*beside->Images);
   }
-  std::vector<GridSpectrum> grids;
-  const auto make = [&]
+  std::vector<std::uint64_t> samples = { images->CountSamples() };
+  this->Ranks.ReduceSum(samples);
+  if (samples[0] > static_cast<std::uint64_t>(this->Filter.SamplesAtOnce))
   {
-    grids = MakeGridSpectra(*pieces, scalars, **type, threads);
+    return this->Begin(std::move(images));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(images->Count(this->Ranks, isosurface::MakeProgress(this->Filter)));
+  return this->Fill(*images);
+}
+
+//------------------------------------------------------------------------------
+Status vtkContourSpectrum::Steps::Begin(std::unique_ptr<ImageSpectrum> images) const
+{
+  const auto begin = [&]
+  {
+    auto beside = std::make_unique<Beside>();
+    beside->Fingerprint = images->ComputeFingerprint();
+    beside->Images = std::move(images);
+    beside->Work = std::make_unique<isosurface::CollectiveTask>(this->Ranks, NoSpectrum,
+      [&counted = *beside->Images](isosurface::Communicator& all,
+        const isosurface::Progress& advance) { return counted.Count(all, advance); });
+    this->Filter.Counted = std::move(beside);
+    this->Filter.Counting[0] = Working;
+    this->Filter.Counting[1] = 0;
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(isosurface::AttemptOnAll(this->Ranks, NoSpectrum, make));
-  const auto spectra = this->Count(**type, std::move(grids));
-  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
+  return isosurface::Attempt(NoSpectrum, begin);
+}
+
+//------------------------------------------------------------------------------
+Status vtkContourSpectrum::Steps::Fill(const ImageSpectrum& images) const
+{
   const auto fill = [&]
   {
-    if (this->Ranks.GetRank() == 0)
+    if (this->Ranks.GetRank() == 0 && !images.GetSpectra().empty())
     {
-      isosurface::AddSpectrumColumns(*spectra, this->Table);
+      isosurface::AddSpectrumColumns(images.GetSpectra(), this->Table);
     }
     return Status::Ok();
   };
@@ -330,32 +302,26 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 }
 
 //------------------------------------------------------------------------------
-Result<std::vector<WorkloadSpectrum>> vtkContourSpectrum::Steps::Count(
-  ValueType type, std::vector<GridSpectrum> grids) const
+void vtkContourSpectrum::CountBeside(int samplesAtOnce)
 {
-  // Ranges, then counts, of each grid.
-  double begin = 0;
-  const double part = 0.5 / static_cast<double>(grids.size());
-  const auto makeProgress = [&]
+  this->SamplesAtOnce = samplesAtOnce;
+}
+
+//------------------------------------------------------------------------------
+void vtkContourSpectrum::AdvanceCounting(int milliseconds)
+{
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  std::vector<std::uint64_t> all = { this->Counted ? 1u : 0u };
+  ranks.ReduceMinimum(all);
+  if (all[0] == 0)
   {
-    begin += part;
-    return isosurface::MakeProgress(this->Filter, begin - part, begin);
-  };
-  KeyRange finite;
-  for (GridSpectrum& grid : grids)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(grid.FindRanges(this->Ranks, makeProgress()));
-    finite.Add(grid.GetFiniteRange());
+    this->Counted.reset();
+    this->Counting[0] = Nothing;
+    return;
   }
-  const auto bins = isosurface::SpectrumBins::Choose(type, finite);
-  std::vector<WorkloadSpectrum> spectra;
-  for (const GridSpectrum& grid : grids)
-  {
-    auto spectrum = grid.Count(this->Ranks, bins, makeProgress());
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-    spectra.push_back(std::move(*spectrum));
-  }
-  return spectra;
+  const bool hasEnded = this->Counted->Work->Advance(ranks, milliseconds / 1000.0);
+  this->Counting[0] = hasEnded ? Ready : Working;
+  this->Counting[1] = this->Counted->Work->GetProgress();
 }
 
 //------------------------------------------------------------------------------

@@ -11,7 +11,8 @@
  * each store, such as "Triangles[0]".
  *
  * The spectrum of a blocked volume is read from its file; that of image data is counted in two
- * passes, and of several images the sum is given. All ranks of the controller must execute
+ * passes, and of several images the sum is given; of many samples beside the calling thread, if
+ * CountBeside() says so. All ranks of the controller must execute
  * together; the first one gets the table. All report the errors of any.
  *
  * Source: C. Bajaj, V. Pascucci, D. Schikore, "The contour spectrum", IEEE Visualization 1997.
@@ -23,6 +24,8 @@
 #include "IsosurfaceFiltersModule.h" // For export macro
 #include "vtkNew.h"                  // For the tuples
 #include "vtkTableAlgorithm.h"
+
+#include <memory> // For what is counted
 
 class vtkDoubleArray;
 class vtkMultiProcessController;
@@ -93,6 +96,21 @@ public:
    */
   vtkDoubleArray* GetSpectrum();
 
+  ///@{
+  /**
+   * For windows, which must answer meanwhile. An execution over images of more samples than
+   * CountBeside() says begins to count beside the calling thread, and gives an empty table. Then
+   * AdvanceCounting() waits, but no longer than so many milliseconds; several ranks count only while
+   * all are in it. Counting: the stage (0: nothing is counted, 1: working, 2: ready) and the finished
+   * share. When it is ready, TakeCounting() lets the next execution give the table. None of these is
+   * a property; all ranks must call them. Default: everything is counted at once.
+   */
+  void CountBeside(int samplesAtOnce);
+  void AdvanceCounting(int milliseconds);
+  vtkGetVector2Macro(Counting, double);
+  void TakeCounting() { this->Modified(); }
+  ///@}
+
 protected:
   vtkContourSpectrum();
   ~vtkContourSpectrum() override;
@@ -108,12 +126,16 @@ private:
   void operator=(const vtkContourSpectrum&) = delete;
 
   struct Steps; ///< of RequestData
+  struct Beside;
 
   int Component;
   int StoreQuantity;
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
   vtkNew<vtkDoubleArray> Spectrum;
+  int SamplesAtOnce;
+  double Counting[2];
+  std::unique_ptr<Beside> Counted; ///< null if nothing is counted beside
 };
 
 #endif

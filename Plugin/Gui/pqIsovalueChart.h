@@ -40,6 +40,7 @@ class pqIsovalueChart : public QWidget
   Q_PROPERTY(QString readout READ GetReadout)
   Q_PROPERTY(int selected READ GetSelected WRITE Select)
   Q_PROPERTY(bool zoomed READ IsZoomed)
+  Q_PROPERTY(bool hasSpectrum READ HasSpectrum)
 
 public:
   using Quantity = isosurface::SpectrumCurve::Quantity;
@@ -54,6 +55,7 @@ public:
   void SetSpectrum(const isosurface::SpectrumCurve& spectrum);
   void SetMessage(const QString& message);
   const isosurface::SpectrumCurve& GetSpectrum() const { return this->Plot.GetSpectrum(); }
+  bool HasSpectrum() const { return !this->GetSpectrum().IsEmpty(); }
   ///@}
 
   /// The values of the axis where there is no spectrum.

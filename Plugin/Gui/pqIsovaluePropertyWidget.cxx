@@ -51,9 +51,6 @@ using Quantity = isosurface::SpectrumCurve::Quantity;
 namespace
 {
 
-/// More samples than this are not counted without being asked: about a second on two cores.
-constexpr double SamplesCountedUnasked = 1 << 27;
-
 /// While a server is at work, it is asked again after this.
 constexpr int RetryMilliseconds = 50;
 
@@ -78,7 +75,6 @@ pqIsovaluePropertyWidget::pqIsovaluePropertyWidget(
   , Chart(new pqIsovalueChart(this))
   , Quantities(new QComboBox(this))
   , Live(new QCheckBox(tr("Live"), this))
-  , Compute(new QToolButton(this))
   , Tissues(new QWidget(this))
   , FetchTimer(new pqTimer(this))
   , LiveTimer(new pqTimer(this))
@@ -134,11 +130,6 @@ void pqIsovaluePropertyWidget::LayOut()
   this->Live->setToolTip(tr("Whether surfaces follow while a handle is dragged, without Apply."));
   this->Live->setChecked(
     pqApplicationCore::instance()->settings()->value(LiveSetting, false).toBool());
-  this->Compute->setObjectName("ComputeSpectrum");
-  this->Compute->setText(tr("Count the spectrum"));
-  this->Compute->setToolTip(
-    tr("Count the contour spectrum of these samples, which takes a while."));
-  this->Compute->hide();
 
   this->LayOutTissues();
 
@@ -146,7 +137,6 @@ void pqIsovaluePropertyWidget::LayOut()
   choices->setSpacing(row->spacing());
   choices->addWidget(this->Live);
   choices->addWidget(this->Quantities, 1);
-  choices->addWidget(this->Compute);
   auto* column = new QVBoxLayout(this);
   column->setContentsMargins(0, 0, 0, 0);
   column->setSpacing(row->spacing());
@@ -233,12 +223,8 @@ void pqIsovaluePropertyWidget::Observe()
     });
   QObject::connect(this->Live, &QCheckBox::toggled, this,
     [](bool live) { pqApplicationCore::instance()->settings()->setValue(LiveSetting, live); });
-  QObject::connect(this->Compute, &QToolButton::clicked, this,
-    [this]
-    {
-      this->Asked = true;
-      this->ExpectSpectrum();
-    });
+  QObject::connect(
+    this->Source, &pqSpectrumSource::counted, this, &pqIsovaluePropertyWidget::ExpectSpectrum);
 
   for (const char* name : { "Input", "SelectInputScalars", "Component" })
   {
@@ -340,21 +326,12 @@ void pqIsovaluePropertyWidget::FetchSpectrum()
   this->Tissues->setVisible(
     isosurface::AreTissuesIn(vtkSMPropertyHelper(this->proxy(), "Unit").GetAsString()));
   this->UpdateTissues();
-  const bool slow = this->Source->CountSamples() > SamplesCountedUnasked;
-  this->Compute->setVisible(slow && !this->Asked);
   this->Stale = false;
-  if (slow && !this->Asked)
+  this->Chart->SetSpectrum(this->Source->Fetch(server->getTimeKeeper()->getTime()));
+  if (this->Chart->GetSpectrum().IsEmpty())
   {
-    this->Chart->SetSpectrum(isosurface::SpectrumCurve());
-    this->Chart->SetMessage(tr("The spectrum of these samples is not counted yet."));
-  }
-  else
-  {
-    this->Chart->SetSpectrum(this->Source->Fetch(server->getTimeKeeper()->getTime()));
-    if (this->Chart->GetSpectrum().IsEmpty())
-    {
-      this->Chart->SetMessage(tr("There is no spectrum of this array."));
-    }
+    this->Chart->SetMessage(this->Source->IsCounting() ? tr("The samples are being counted.")
+                                                       : tr("There is no spectrum of this array."));
   }
   this->Chart->SetStored(this->Source->IsStored());
   if (this->Chart->GetSpectrum().IsEmpty())

@@ -24,7 +24,6 @@ class pqSpectrumSource;
 class pqTimer;
 class QCheckBox;
 class QComboBox;
-class QToolButton;
 class QWidget;
 class vtkEventQtSlotConnect;
 class vtkSMProxy;
@@ -74,15 +73,13 @@ private:
   pqIsovalueChart* Chart;
   QComboBox* Quantities;
   QCheckBox* Live;
-  QToolButton* Compute; ///< shown where computing the spectrum would take long
   QWidget* Tissues;     ///< a button for each, shown where values are Hounsfield units
   pqTimer* FetchTimer;
   pqTimer* LiveTimer;
   vtkNew<vtkEventQtSlotConnect> Connections;
   vtkNew<vtkEventQtSlotConnect> InputConnections;
   vtkSMProxy* ObservedInput = nullptr;
-  bool Stale = true;  ///< the spectrum is not that of what the panel shows
-  bool Asked = false; ///< to compute a spectrum that takes long
+  bool Stale = true; ///< the spectrum is not that of what the panel shows
   bool InUndoSet = false;
 };
 

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqSpectrumSource.h"
 
+#include "ContourProxy.h"
 #include "pqBlockedVolumeDecorator.h"
 
+#include "pqApplicationCore.h"
+#include "pqServer.h"
+#include "pqServerManagerModel.h"
+#include "pqTimer.h"
 #include "pqUndoStack.h"
 #include "vtkPVArrayInformation.h"
 #include "vtkPVDataInformation.h"
@@ -16,11 +21,25 @@
 #include <utility>
 #include <vector>
 
+using isosurface::CallOnServer;
 using isosurface::SpectrumCurve;
 
 namespace
 {
 
+/// To count so many takes half a tenth of a second.
+constexpr int SamplesCountedAtOnce = 1 << 21;
+/// Between two questions whether the others are counted, and how long several ranks count before they
+/// answer.
+constexpr int PollMilliseconds = 20;
+constexpr int SliceMilliseconds = 60;
+/// Of vtkContourSpectrum's Counting.
+enum Stages
+{
+  Nothing,
+  Working,
+  Ready
+};
 constexpr std::size_t Columns = 1 + SpectrumCurve::NumberOfQuantities; ///< the isovalue first
 /// Of SelectInputScalars: three numbers, the association, the array's name.
 constexpr int ContouredNameElement = 4;
@@ -62,7 +81,10 @@ SpectrumCurve MakeCurve(const std::vector<double>& tuples, bool integers)
 pqSpectrumSource::pqSpectrumSource(vtkSMProxy* contour, QObject* parent)
   : QObject(parent)
   , Contour(contour)
+  , Timer(new pqTimer(this))
 {
+  this->Timer->setSingleShot(true);
+  QObject::connect(this->Timer, &QTimer::timeout, this, &pqSpectrumSource::Advance);
 }
 
 //------------------------------------------------------------------------------
@@ -87,12 +109,42 @@ bool pqSpectrumSource::IsStored() const
 }
 
 //------------------------------------------------------------------------------
-double pqSpectrumSource::CountSamples() const
+bool pqSpectrumSource::IsCounting() const
 {
-  unsigned int port = 0;
-  vtkPVDataInformation* information = GetInformation(this->GetInput(port), port);
-  return information && !this->IsStored() ? static_cast<double>(information->GetNumberOfPoints())
-                                          : 0;
+  return this->Timer->isActive();
+}
+
+//------------------------------------------------------------------------------
+int pqSpectrumSource::FindStage() const
+{
+  this->Spectrum->UpdatePropertyInformation(this->Spectrum->GetProperty("Counting"));
+  return vtkSMPropertyHelper(this->Spectrum, "Counting").GetAsInt();
+}
+
+//------------------------------------------------------------------------------
+void pqSpectrumSource::Advance()
+{
+  pqServer* server = pqApplicationCore::instance()->getServerManagerModel()->findServer(
+    this->Spectrum->GetSession());
+  if (!server || server->isProgressPending())
+  {
+    this->Timer->start(PollMilliseconds);
+    return;
+  }
+  CallOnServer(
+    this->Spectrum, "AdvanceCounting", server->getNumberOfPartitions() > 1 ? SliceMilliseconds : 0);
+  switch (this->FindStage())
+  {
+    case Working:
+      this->Timer->start(PollMilliseconds);
+      break;
+    case Ready:
+      CallOnServer(this->Spectrum, "TakeCounting");
+      Q_EMIT this->counted();
+      break;
+    default:
+      break;
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -148,7 +200,13 @@ SpectrumCurve pqSpectrumSource::Fetch(double time)
     vtkSMPropertyHelper(this->Spectrum, "Component")
       .Set(vtkSMUncheckedPropertyHelper(this->Contour, "Component").GetAsInt());
     this->Spectrum->UpdateVTKObjects();
+    CallOnServer(this->Spectrum, "CountBeside", SamplesCountedAtOnce);
     this->Spectrum->UpdatePipeline(time);
+    this->Timer->stop();
+    if (this->FindStage() == Working)
+    {
+      this->Timer->start(PollMilliseconds);
+    }
     this->Spectrum->UpdatePropertyInformation(this->Spectrum->GetProperty("Spectrum"));
     tuples = vtkSMPropertyHelper(this->Spectrum, "Spectrum").GetDoubleArray();
   }

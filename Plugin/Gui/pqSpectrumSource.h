@@ -5,7 +5,8 @@
  *
  * Makes a Contour Spectrum behind the contour's input that nobody sees: it is in no pipeline
  * browser, state, trace or undo stack. Of a server only the spectrum itself travels, some ten
- * thousand numbers. Array and component are those that the panel shows, applied or not.
+ * thousand numbers. Array and component are those that the panel shows, applied or not. That of many
+ * samples in memory is counted beside the window.
  */
 
 #ifndef pqSpectrumSource_h
@@ -17,6 +18,7 @@
 
 #include <QObject>
 
+class pqTimer;
 class vtkSMProxy;
 class vtkSMSourceProxy;
 
@@ -31,22 +33,30 @@ public:
   /// Whether the spectrum stands in a file: then it costs one small read.
   bool IsStored() const;
 
-  /// Samples that would be visited to count it; 0 if it is stored.
-  double CountSamples() const;
-
-  /// The spectrum at a time; empty if there is none. Waits for the server.
+  /// The spectrum at a time; empty if there is none, or if it is being counted. Waits for the server.
   isosurface::SpectrumCurve Fetch(double time);
+  /// Whether counted() will tell that it can be fetched.
+  bool IsCounting() const;
 
   /// Whether the samples of the chosen array and component are whole numbers.
   bool HasIntegers() const;
+
+Q_SIGNALS:
+  void counted();
+
+private Q_SLOTS:
+  void Advance();
 
 private:
   Q_DISABLE_COPY(pqSpectrumSource)
 
   vtkSMSourceProxy* GetInput(unsigned int& port) const;
+  /// Asks the server for the stage of counting (vtkContourSpectrum::GetCounting).
+  int FindStage() const;
 
   vtkSmartPointer<vtkSMProxy> Contour;
   vtkSmartPointer<vtkSMSourceProxy> Spectrum;
+  pqTimer* Timer; ///< owned by this object; ParaView's test player waits for such timers
 };
 
 #endif

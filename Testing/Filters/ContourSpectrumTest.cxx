@@ -20,6 +20,7 @@
 #include <fstream>
 #include <limits>
 #include <random>
+#include <sstream>
 
 using namespace isosurface;
 
@@ -37,6 +38,22 @@ vtkSmartPointer<vtkTable> MakeTable(vtkDataObject* input, const char* array = nu
   }
   spectrum->Update();
   return spectrum->GetOutput();
+}
+
+std::string Print(vtkTable* table)
+{
+  std::ostringstream text;
+  text.precision(17);
+  for (vtkIdType column = 0; column < table->GetNumberOfColumns(); ++column)
+  {
+    text << table->GetColumnName(column);
+    for (vtkIdType row = 0; row < table->GetNumberOfRows(); ++row)
+    {
+      text << ' ' << table->GetValue(row, column).ToDouble();
+    }
+    text << '\n';
+  }
+  return text.str();
 }
 
 double GetValue(vtkTable* table, vtkIdType row, const char* column)
@@ -69,6 +86,53 @@ vtkSmartPointer<vtkImageData> MakeBall(int type, double scale)
 }
 
 } // namespace
+
+TEST(ContourSpectrum, OfManySamplesIsCountedBesideWhoeverWantsToAnswer)
+{
+  const auto image = MakeImage({ 0, 70, 0, 33, 0, 64 }, VTK_FLOAT, MakeWaves(30));
+  vtkNew<vtkContourSpectrum> spectrum;
+  const ExpectNoErrors errors(spectrum);
+  spectrum->SetInputDataObject(image);
+  spectrum->CountBeside(1000);
+  const auto begin = [&]
+  {
+    spectrum->Update();
+    EXPECT_EQ(spectrum->GetOutput()->GetNumberOfRows(), 0);
+    EXPECT_EQ(spectrum->GetCounting()[0], 1);
+  };
+  const auto finish = [&]
+  {
+    for (int tries = 0; spectrum->GetCounting()[0] == 1 && tries < 1000; ++tries)
+    {
+      spectrum->AdvanceCounting(100);
+    }
+    EXPECT_EQ(spectrum->GetCounting()[0], 2);
+    EXPECT_EQ(spectrum->GetCounting()[1], 1);
+    spectrum->TakeCounting();
+    spectrum->Update();
+    const auto expected = MakeTable(image);
+    EXPECT_GT(expected->GetNumberOfRows(), 1000);
+    EXPECT_EQ(Print(spectrum->GetOutput()), Print(expected));
+    EXPECT_EQ(spectrum->GetCounting()[0], 0);
+  };
+  begin();
+  finish();
+  // What was begun is not that of other samples.
+  image->GetPointData()->GetScalars()->SetComponent(5000, 0, 1234);
+  image->GetPointData()->GetScalars()->Modified();
+  image->Modified();
+  begin();
+  image->GetPointData()->GetScalars()->SetComponent(5000, 0, -1234);
+  image->GetPointData()->GetScalars()->Modified();
+  image->Modified();
+  begin();
+  finish();
+  // Few samples are counted at once.
+  spectrum->CountBeside(1000000);
+  spectrum->Modified();
+  spectrum->Update();
+  EXPECT_EQ(Print(spectrum->GetOutput()), Print(MakeTable(image)));
+}
 
 TEST(ContourSpectrum, CountsTheTrianglesOfFlyingEdges)
 {

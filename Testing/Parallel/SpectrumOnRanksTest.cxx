@@ -61,6 +61,24 @@ TEST(SpectrumOnRanks, OfImagePiecesIsThatOfTheWhole)
   }
 }
 
+TEST(SpectrumOnRanks, CountedBesideIsThatOfTheWhole)
+{
+  const auto image = MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_FLOAT);
+  vtkNew<vtkContourSpectrum> spectrum;
+  const auto source = MakeSource(image, PieceSource::FIRST_RANK);
+  spectrum->SetInputConnection(source->GetOutputPort());
+  spectrum->CountBeside(0);
+  UpdatePiece(spectrum);
+  EXPECT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), 0);
+  for (int tries = 0; spectrum->GetCounting()[0] == 1 && tries < 1000; ++tries)
+  {
+    spectrum->AdvanceCounting(100);
+  }
+  spectrum->TakeCounting();
+  UpdatePiece(spectrum);
+  ExpectEqualsThatOfWhole(spectrum->GetOutput(), image);
+}
+
 TEST(SpectrumOnRanks, OfAVolumeIsOnTheFirstRank)
 {
   const auto image = MakeClosedVolume({ -41, 28, -7, 53, -90, -8 }, VTK_SHORT);
