@@ -113,13 +113,14 @@ bool WriteVolume(
     [&](Communicator& communicator)
     {
       auto source = raw.Open(GetLocalFileSystem());
-      const auto written = source.IsOk()
+      const Status written = source.IsOk()
         ? BlockedVolumeWriter(communicator)
             .Write(to, raw.Grid, { { "density", raw.Type } }, **source, settings)
+            .GetStatus()
         : source.GetStatus();
       if (!written.IsOk())
       {
-        std::fprintf(stderr, "%s\n", written.GetStatus().GetMessage().c_str());
+        std::fprintf(stderr, "%s\n", written.GetMessage().c_str());
         isDone = false;
       }
     });
