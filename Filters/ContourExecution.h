@@ -154,7 +154,7 @@ private:
   /// Collective.
   bool MayRefine(Communicator& ranks, bool& ofImages);
   /// Whether the last surface is of a sample at its finest level, and may have exact parts.
-  bool MayGrow();
+  bool MayGrow() const;
   /// PrepareRefinement of such a surface: with more of what is exact.
   Refinement PrepareGrowth(double seconds);
   /// How many slices of what is finished it is to have, and its triangles.
@@ -164,7 +164,8 @@ private:
   /// Begins to extract a finer surface, unless it is too large. Collective.
   Status BeginRefinement(Communicator& ranks, Refinement& refinement);
   /// Begins to extract it, which takes memory and a thread; this rank alone.
-  Status Prepare(const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice);
+  Status Prepare(
+    const std::shared_ptr<BlockedVolume>& volume, int level, std::int64_t finishedSlices);
   /// What the next level takes, and the finest level that fits into memory. Collective.
   Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
   Status ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome);

@@ -365,7 +365,7 @@ Refinement ContourExecution::PrepareRefinement(double seconds)
 }
 
 //------------------------------------------------------------------------------
-bool ContourExecution::MayGrow()
+bool ContourExecution::MayGrow() const
 {
   const Pass& pass = this->LastPass;
   return pass.Finished && pass.Level == 0 && pass.Shown && pass.Time == this->Contour.GetMTime() &&
@@ -394,18 +394,8 @@ Refinement ContourExecution::PrepareGrowth(double seconds)
     if (this->IsGrowthDue(slices, refinement))
     {
       pass.AreShown = pass.Finished->Show();
-      ExtractionTask task = { pass.Volume.lock(), pass.Query, pass.Request, this->ChooseThreads(),
-        {} };
-      task.Finished = pass.Finished;
-      task.FinishedSlices = slices;
-      const Status begun = Attempt("the next surface cannot be prepared",
-        [&]
-        {
-          this->OfVolumes.Prepare(task, 0);
-          return Status::Ok();
-        });
       pass.GrowthBegin = Clock::now();
-      if (!begun.IsOk())
+      if (!this->Prepare(pass.Volume.lock(), 0, slices).IsOk())
       {
         pass.GrowthDue = Clock::now() + std::chrono::seconds(1);
       }
@@ -506,19 +496,22 @@ Status ContourExecution::BeginRefinement(Communicator& ranks, Refinement& refine
   refinement.FittingLevel = static_cast<int>(limits[0]);
   const bool isWanted = refinement.FittingLevel <= choice.Level || limits[1] == 0;
   refinement.Stage = isWanted ? RefinementStage::Working : RefinementStage::TooLarge;
-  return isWanted ? this->Prepare(volume, choice) : Status::Ok();
+  return isWanted ? this->Prepare(volume, choice.Level, 0) : Status::Ok();
 }
 
 //------------------------------------------------------------------------------
 Status ContourExecution::Prepare(
-  const std::shared_ptr<BlockedVolume>& volume, const LevelChoice& choice)
+  const std::shared_ptr<BlockedVolume>& volume, int level, std::int64_t finishedSlices)
 {
   const Pass& pass = this->LastPass;
   const int threads = this->ChooseThreads();
   return Attempt("the next surface cannot be prepared",
     [&]
     {
-      this->OfVolumes.Prepare({ volume, pass.Query, pass.Request, threads, {} }, choice.Level);
+      ExtractionTask task = { volume, pass.Query, pass.Request, threads, {} };
+      task.Finished = pass.Finished;
+      task.FinishedSlices = finishedSlices;
+      this->OfVolumes.Prepare(std::move(task), level);
       return Status::Ok();
     });
 }

@@ -49,30 +49,15 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
         }
         return advance(done);
       };
+      // However it ends.
+      const std::unique_ptr<FinishedLayers, void (*)(FinishedLayers*)> end(
+        this->Finished.get(), [](FinishedLayers* layers) { layers->End(); });
       const auto leftOut = WriteSourceIndex(
         all, place, this->Index, memoryBytes, tell, this->Collector.get(), this->Finished.get());
       ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
       this->LeftOut = *leftOut;
       return Status::Ok();
     });
-}
-
-GrowingIndex::~GrowingIndex()
-{
-  if (this->Finished)
-  {
-    this->Finished->End();
-  }
-}
-
-bool GrowingIndex::Advance(Communicator& ranks, double seconds)
-{
-  const bool hasEnded = this->Writing->Advance(ranks, seconds);
-  if (hasEnded && this->Finished)
-  {
-    this->Finished->End();
-  }
-  return hasEnded;
 }
 
 bool GrowingIndex::IsCurrent() const

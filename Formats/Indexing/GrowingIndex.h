@@ -44,7 +44,6 @@ public:
   /// Begins to write. Collective.
   GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex index, SourceSample sample,
     std::uint64_t memoryBytes);
-  ~GrowingIndex();
 
   const SourceIndex& GetIndex() const { return this->Index; }
   const SourceSample& GetSample() const { return this->Sample; }
@@ -60,7 +59,10 @@ public:
 
   /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
   /// Collective.
-  bool Advance(Communicator& ranks, double seconds);
+  bool Advance(Communicator& ranks, double seconds)
+  {
+    return this->Writing->Advance(ranks, seconds);
+  }
   /// Waits for the end (CollectiveTask::Finish). Collective.
   Status Finish(Communicator& ranks, const Progress& progress)
   {

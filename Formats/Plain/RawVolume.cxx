@@ -100,8 +100,8 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
   if (begin > available || available - begin < bytes)
   {
     return Status(StatusCode::Corrupt,
-      path + ": truncated: it has " + std::to_string(available) + " bytes where " +
-        std::to_string(begin) + " and " + std::to_string(bytes) + " of samples are expected");
+      path + ": truncated: it has " + std::to_string(available) + " bytes, but its samples are " +
+        std::to_string(bytes) + " bytes from byte " + std::to_string(begin) + " on");
   }
   return std::unique_ptr<RandomAccessFile>(
     std::make_unique<SectionFile>(std::move(*file), begin, bytes));

@@ -241,8 +241,8 @@ protected:
     return SumOverRanks(isAsked ? 1 : 0) != 0;
   }
 
-  /// The same at several of the allocations that it makes.
-  void StarveOften(int odd, std::uint64_t whole)
+  /// The same at several of the allocations that it makes. Returns how many these are.
+  long StarveOften(int odd, std::uint64_t whole)
   {
     long asked = 0;
     {
@@ -255,6 +255,7 @@ protected:
     for (long allocation = 0; this->Starve(odd, allocation, whole); allocation += step)
     {
     }
+    return all;
   }
 
   const Inputs In;
@@ -275,10 +276,12 @@ TEST_P(FilterMemory, LackOnOneRankIsOneErrorOnAll)
   {
     const int before = this->Failures;
     // Where ranks share their work as they come, one may have nothing to do.
-    for (int tries = 0; this->Failures == before && tries < 20; ++tries)
+    long all = 0;
+    for (int tries = 0; (this->Failures == before || all <= 5) && tries < 20; ++tries)
     {
-      this->StarveOften(odd, whole);
+      all = std::max(all, this->StarveOften(odd, whole));
     }
+    EXPECT_GT(all, 5) << "the test watches nothing";
     EXPECT_GT(this->Failures, before) << "the test starves nobody";
   }
   this->Update();

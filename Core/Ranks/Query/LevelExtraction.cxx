@@ -132,6 +132,7 @@ Status ExtractFinished(const ExtractionTask& task, int level, ExtractionOutcome&
   request.Lines = volume.GetLines(level);
   auto sample = ExtractSurface(geometry, sampleBlocks, request, task.Threads,
     [&](double) { return !task.Advance || task.Advance(1); });
+  outcome.Cost.Reading.Add(source.GetStatistics());
   ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
   ShiftGlobalIds(CountGlobalIds(finished.Grid, task.Request), *sample);
   std::vector<Surface> surfaces;

@@ -5,6 +5,7 @@
 #include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/SampleRange.h"
 #include "Storage/Record/BlockRecord.h"
+#include "Storage/Store/StoredBlockSource.h"
 
 #include <algorithm>
 #include <utility>
@@ -53,56 +54,50 @@ public:
 
   Result<BlockSamples> Acquire(std::size_t block) override
   {
-    auto owned = std::make_shared<DecodedBlocks>();
-    BlockSamples samples;
-    const Variable& variable = this->Variables[this->VariableNumber];
-    const std::size_t first = this->Variables.GetFirst(variable.Array);
-    const bool isMagnitude = variable.IsMagnitude();
-    const std::size_t begin = isMagnitude ? first : this->VariableNumber;
-    const std::size_t end = isMagnitude
-      ? first + static_cast<std::size_t>(this->Variables.GetComponents(variable.Array))
-      : begin + 1;
-    ISOSURFACE_RETURN_IF_ERROR(this->ReadComponents(this->Numbers[block], begin, end, *owned));
-    if (isMagnitude)
-    {
-      owned->push_back(MakeMagnitudeBlock(*owned));
-    }
-    samples.Scalars = owned->back()->View;
+    DecodedBlocks blocks;
+    ISOSURFACE_RETURN_IF_ERROR(this->Read(this->Numbers[block], this->VariableNumber, blocks));
     for (const std::size_t array : this->Attributes)
     {
-      const std::size_t count = owned->size();
-      const std::size_t from = this->Variables.GetFirst(array);
-      ISOSURFACE_RETURN_IF_ERROR(this->ReadComponents(this->Numbers[block], from,
-        from + static_cast<std::size_t>(this->Variables.GetComponents(array)), *owned));
-      AttributeView& attribute = samples.Attributes.emplace_back();
-      for (std::size_t component = count; component < owned->size(); ++component)
-      {
-        attribute.Components.push_back((*owned)[component]->View);
-      }
+      ISOSURFACE_RETURN_IF_ERROR(this->ReadArray(this->Numbers[block], array, blocks));
     }
-    samples.Owner = std::move(owned);
-    return samples;
+    return MakeBlockSamples(std::move(blocks), this->Variables, this->Attributes);
   }
 
 private:
-  /// Adds components [begin, end) of a block.
-  Status ReadComponents(
-    std::int64_t number, std::size_t begin, std::size_t end, DecodedBlocks& blocks) const
+  /// Adds a variable of a block.
+  Status Read(std::int64_t number, std::size_t variable, DecodedBlocks& blocks) const
   {
-    for (std::size_t component = begin; component < end; ++component)
+    if (this->Variables[variable].IsMagnitude())
     {
-      auto block = std::make_shared<DecodedBlock>();
-      block->Block = number;
-      const VertexBox box = this->Layers.Grid.GetGhostedVertices(number, 0);
-      const ValueType type = this->Layers.Samples->GetType(component);
-      block->Bytes = Buffer<std::uint8_t>(
-        static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type));
-      block->View = MakeSampleView(type, box, block->Bytes.GetData());
-      block->View.Box = this->Layers.Grid.GetVertices(number);
-      QueryStatistics statistics;
+      DecodedBlocks components;
       ISOSURFACE_RETURN_IF_ERROR(
-        this->Layers.Samples->Read(component, box, block->Bytes.GetData(), statistics));
-      blocks.push_back(std::move(block));
+        this->ReadArray(number, this->Variables[variable].Array, components));
+      blocks.push_back(MakeMagnitudeBlock(components));
+      return Status::Ok();
+    }
+    const ValueType type = this->Variables[variable].Type;
+    const VertexBox box = this->Layers.Grid.GetGhostedVertices(number, 0);
+    auto block = std::make_shared<DecodedBlock>();
+    block->Block = number;
+    block->Bytes = Buffer<std::uint8_t>(
+      static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type));
+    block->View = MakeSampleView(type, box, block->Bytes.GetData());
+    block->View.Box = this->Layers.Grid.GetVertices(number);
+    QueryStatistics statistics;
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Layers.Samples->Read(variable, box, block->Bytes.GetData(), statistics));
+    blocks.push_back(std::move(block));
+    return Status::Ok();
+  }
+
+  /// Adds the components of an array.
+  Status ReadArray(std::int64_t number, std::size_t array, DecodedBlocks& blocks) const
+  {
+    const std::size_t first = this->Variables.GetFirst(array);
+    const auto count = static_cast<std::size_t>(this->Variables.GetComponents(array));
+    for (std::size_t component = first; component < first + count; ++component)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->Read(number, component, blocks));
     }
     return Status::Ok();
   }
@@ -180,6 +175,7 @@ bool FinishedLayers::AreShown() const
 
 Status FinishedLayers::OpenSamples()
 {
+  const std::lock_guard<std::mutex> lock(this->OpeningMutex);
   if (!this->Samples)
   {
     auto samples = SourceSamples::Open(
@@ -193,8 +189,8 @@ Status FinishedLayers::OpenSamples()
 Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(
   const BlockQuery& query, const std::vector<std::size_t>& attributes, std::int64_t slices)
 {
-  const std::lock_guard<std::mutex> lock(this->Mutex);
   ISOSURFACE_RETURN_IF_ERROR(this->OpenSamples());
+  const std::lock_guard<std::mutex> lock(this->Mutex);
   const std::vector<ValueKey> thresholds =
     FindThresholdKeys(this->Header.GetVariables()[query.Variable].Type, query.Isovalues);
   BlockSelection selection = query.Selection;

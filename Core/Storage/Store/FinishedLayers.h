@@ -73,9 +73,10 @@ private:
   BlockedVolumeHeader Header;
   BlockGrid Grid;
   std::atomic<bool> IsEnded = false;
-  mutable std::mutex Mutex; ///< guards what follows
-  std::vector<std::vector<KeyRange>> Ranges;
+  std::mutex OpeningMutex;                ///< guards Samples, whose opening nobody else waits for
   std::shared_ptr<SourceSamples> Samples; ///< null until blocks are asked for
+  mutable std::mutex Mutex;               ///< guards what follows
+  std::vector<std::vector<KeyRange>> Ranges;
   std::weak_ptr<const void> Shown;
 };
 

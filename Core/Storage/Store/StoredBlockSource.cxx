@@ -8,6 +8,24 @@
 namespace isosurface
 {
 
+BlockSamples MakeBlockSamples(
+  DecodedBlocks blocks, const ArrayVariables& variables, const std::vector<std::size_t>& arrays)
+{
+  BlockSamples samples;
+  samples.Scalars = blocks.front()->View;
+  std::size_t next = 1;
+  for (const std::size_t array : arrays)
+  {
+    AttributeView& attribute = samples.Attributes.emplace_back();
+    for (int component = 0; component < variables.GetComponents(array); ++component, ++next)
+    {
+      attribute.Components.push_back(blocks[next]->View);
+    }
+  }
+  samples.Owner = std::make_shared<DecodedBlocks>(std::move(blocks));
+  return samples;
+}
+
 StoredBlockSource::StoredBlockSource(BlockedVolume& volume, std::size_t timeStep,
   std::size_t variable, int level, std::vector<BlockReference> blocks)
   : Volume(volume)
@@ -121,20 +139,7 @@ Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
     this->Statistics.Add(statistics);
   }
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  BlockSamples samples;
-  samples.Scalars = blocks->front()->View;
-  const ArrayVariables& all = this->Volume.GetVariables();
-  std::size_t next = 1;
-  for (const std::size_t array : this->Attributes)
-  {
-    AttributeView& attribute = samples.Attributes.emplace_back();
-    for (int component = 0; component < all.GetComponents(array); ++component, ++next)
-    {
-      attribute.Components.push_back((*blocks)[next]->View);
-    }
-  }
-  samples.Owner = std::make_shared<DecodedBlocks>(std::move(*blocks));
-  return samples;
+  return MakeBlockSamples(std::move(*blocks), this->Volume.GetVariables(), this->Attributes);
 }
 
 QueryStatistics StoredBlockSource::GetStatistics() const

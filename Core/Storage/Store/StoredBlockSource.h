@@ -14,6 +14,11 @@
 namespace isosurface
 {
 
+/// What an extraction takes of a block: its decoded variables are the contoured one, then the components
+/// of the arrays to interpolate.
+BlockSamples MakeBlockSamples(
+  DecodedBlocks blocks, const ArrayVariables& variables, const std::vector<std::size_t>& arrays);
+
 /**
  * Blocks of a blocked volume on disk, for an extraction. Each is read when it is acquired, through
  * the block cache, and released afterwards; meanwhile the disk reads ahead. The blocks must have

@@ -185,9 +185,9 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     {
       this->Volume->KeepJournal(this->Journal);
     }
-    if (this->Context.Size == 1)
+    if (this->Context.Size == 1 && this->Context.Settings.WhenFinished)
     {
-      this->Volume->SetWhenFinished(this->Context.Settings.WhenFinished);
+      this->Volume->TellFinished();
     }
     return Status::Ok();
   };

@@ -425,9 +425,9 @@ Status ResolutionWriter::WriteBlocks()
   steps.AfterRound = [&](std::int64_t blocks, bool isStopping,
                        const std::function<Status()>& waitUntilWritten) -> Status
   {
-    if (this->TellFinished)
+    if (this->TellsFinished)
     {
-      this->TellFinished(blocks, this->Counts->GetRanges());
+      this->Context.Settings.WhenFinished(blocks, this->Counts->GetRanges());
     }
     if (!this->Journal || !this->IsCheckpointDue(blocks, isStopping))
     {

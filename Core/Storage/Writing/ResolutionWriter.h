@@ -22,12 +22,10 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -48,11 +46,7 @@ public:
   /// seconds between them. The journal must outlive this object.
   void KeepJournal(WriteJournal& journal) { this->Journal = &journal; }
   /// Makes Write() tell which blocks are finished (BlockedVolumeSettings::WhenFinished).
-  void SetWhenFinished(
-    std::function<void(std::int64_t, const std::vector<std::vector<KeyRange>>&)> tell)
-  {
-    this->TellFinished = std::move(tell);
-  }
+  void TellFinished() { this->TellsFinished = true; }
 
   /// Collective. Plans who sends which samples; fails if the ranks do not have all of them.
   Status Prepare();
@@ -136,7 +130,7 @@ private:
   std::optional<BlockCounts> Counts;         ///< during Write()
   std::map<std::uint32_t, OpenStore> Stores; ///< those of this rank
   WriteJournal* Journal = nullptr;
-  std::function<void(std::int64_t, const std::vector<std::vector<KeyRange>>&)> TellFinished;
+  bool TellsFinished = false;
   Clock::time_point Begin;          ///< of Write()
   Clock::time_point LastCheckpoint; ///< or Begin
   WriteStatistics Statistics;

@@ -135,7 +135,7 @@ TEST_P(RankWithoutMemory, FailsWithAllWhenFindingIslands)
 INSTANTIATE_TEST_SUITE_P(
   Ranks, RankWithoutMemory, testing::ValuesIn(RankDeeds::GetNumbersOfRanks()));
 
-TEST(KeptMemory, IsFreedWhereMemoryIsShort)
+TEST(KeptMemoryOfRanks, IsFreedWhereMemoryIsShort)
 {
   constexpr std::size_t size = std::size_t(8) << 20;
   const auto keep = []
