@@ -43,13 +43,21 @@ def read_categories(display):
 
 
 class IsosurfaceColors(testing.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.wave = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
+        cls.stock = {}
+
     def setUp(self):
-        self.wave = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
         self.surface = self.contour(ISOVALUES)
 
     def make_view(self, kind="RenderView"):
-        view = simple.CreateView(kind)
+        view = self.make_lasting_view(kind)
         self.addCleanup(simple.Delete, view)
+        return view
+
+    def make_lasting_view(self, kind):
+        view = simple.CreateView(kind)
         view.ViewSize, view.UseFXAA, view.OrientationAxesVisibility = SIZE, 0, 0
         view.RemoteRenderThreshold = 0
         simple.Render(view)  # the first one of a session sets the camera
@@ -63,14 +71,20 @@ class IsosurfaceColors(testing.TestCase):
         )
 
     def draw_stock(self, isovalues, colors, kind="RenderView"):
-        view = self.make_view(kind)
-        for isovalue, color in zip(isovalues, colors):
-            contour = simple.Contour(
-                Input=self.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[isovalue]
-            )
+        """In a view that all tests share, which has as many contours as have been asked for."""
+        if kind not in self.stock:
+            self.stock[kind] = self.make_lasting_view(kind), []
+        view, shown = self.stock[kind]
+        while len(shown) < len(isovalues):
+            contour = simple.Contour(Input=self.wave, ContourBy=["POINTS", "RTData"])
             display = simple.Show(contour, view, "GeometryRepresentation")
             simple.ColorBy(display, None)
-            display.AmbientColor = display.DiffuseColor = color
+            shown.append((contour, display))
+        for n, (contour, display) in enumerate(shown):
+            display.Visibility = 1 if n < len(isovalues) else 0
+            if display.Visibility:
+                contour.Isosurfaces = [isovalues[n]]
+                display.AmbientColor = display.DiffuseColor = colors[n]
         return draw(view)
 
     def check_same(self, image, expected):
@@ -173,6 +187,7 @@ class IsosurfaceColors(testing.TestCase):
     @on_the_client
     def test_states_have_the_same_image(self):
         simple.ResetSession()  # whose views would be in the states, too
+        self.setUpClass()
         self.setUp()
         view = self.make_view()
         display = simple.Show(self.surface, view)

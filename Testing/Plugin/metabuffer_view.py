@@ -30,21 +30,39 @@ class MetabufferView(testing.TestCase):
             Input=cls.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[120.0, 200.0]
         )
         cls.outline = simple.Outline(Input=cls.wave)
+        cls.shared = {}
 
     def setUp(self):
         with_server = ("from_every_camera", "outlined", "fxaa", "time_budget")
         if testing.arguments.port and not any(name in self.id() for name in with_server):
             self.skipTest("seen without a server")
 
-    def make_view(self, kind, camera="far", size=None):
+    def make_view(self, kind):
         view = simple.CreateView(kind)
-        self.addCleanup(simple.Delete, view)
-        view.ViewSize = size or SIZE
+        view.ViewSize = SIZE
         view.RemoteRenderThreshold = 0
         display = simple.Show(self.surface, view)
         simple.ColorBy(display, ("POINTS", "Normals", "Magnitude"))
         simple.ColorBy(display, ("POINTS", "RTData"))
         simple.Render(view)
+        return view
+
+    def get_view(self, kind, camera="far", size=None):
+        """The one that all tests share, as it was at first."""
+        if kind not in self.shared:
+            view = self.make_view(kind)
+            display = simple.GetRepresentation(self.surface, view)
+            self.shared[kind] = view, [testing.Properties(proxy) for proxy in (view, display)]
+        view, originals = self.shared[kind]
+        for properties in originals:
+            properties.give_back()
+        view.ViewSize = size or SIZE
+        self.place_camera(view, camera)
+        return view
+
+    def get_own_view(self, kind, camera="far"):
+        view = self.make_view(kind)
+        self.addCleanup(simple.Delete, view)
         self.place_camera(view, camera)
         return view
 
@@ -65,11 +83,11 @@ class MetabufferView(testing.TestCase):
         self.assertEqual(int((image != expected).any(axis=2).sum()), 0)
         self.assertGreater(int((image != image[0, 0]).any(axis=2).sum()), 1000)
 
-    def check_views(self, name, change=None, size=None, camera="far"):
+    def check_views(self, name, change=None, size=None, camera="far", get_view=None):
         """The views' images after the same change of both."""
         images = []
         for kind in ("RenderView", "MetabufferRenderView"):
-            view = self.make_view(kind, camera)
+            view = (get_view or self.get_view)(kind, camera)
             if change:
                 change(view)
             images.append(self.save(view, name + kind, size))
@@ -92,7 +110,7 @@ class MetabufferView(testing.TestCase):
 
     def test_same_image_with_annotations(self):
         def annotate(view):
-            display = simple.Show(self.surface, view)
+            display = simple.GetRepresentation(self.surface, view)
             display.SetScalarBarVisibility(view, True)
             text = simple.Text(Text="Metabuffer")
             simple.Show(text, view)
@@ -100,18 +118,18 @@ class MetabufferView(testing.TestCase):
             view.AxesGrid.Visibility = 1
             view.CenterAxesVisibility = 1
 
-        self.check_views("annotations", annotate)
+        self.check_views("annotations", annotate, get_view=self.get_own_view)
 
     def test_same_image_with_several_representations_and_backgrounds(self):
         def change(view):
             simple.Show(self.outline, view)
-            display = simple.Show(self.surface, view)
+            display = simple.GetRepresentation(self.surface, view)
             display.SetRepresentationType("Surface With Edges")
             view.UseColorPaletteForBackground = 0
             view.BackgroundColorMode = "Gradient"
             view.Background, view.Background2 = [0.1, 0.2, 0.5], [0.8, 0.7, 0.2]
 
-        self.check_views("representations", change)
+        self.check_views("representations", change, get_view=self.get_own_view)
 
     def test_same_image_with_tone_mapping(self):
         def change(view):
@@ -122,7 +140,7 @@ class MetabufferView(testing.TestCase):
     def test_nothing_to_show(self):
         images = []
         for kind in ("RenderView", "MetabufferRenderView"):
-            view = self.make_view(kind)
+            view = self.get_view(kind)
             simple.Hide(self.surface, view)
             images.append(self.save(view, "nothing" + kind))
         self.assertEqual(int((images[0] != images[1]).sum()), 0)
@@ -143,7 +161,7 @@ class MetabufferView(testing.TestCase):
 
     def test_smooth_upsampling_shows_more_colors_than_blocks(self):
         self.require_several_ranks()
-        view = self.make_view("MetabufferRenderView")
+        view = self.get_view("MetabufferRenderView")
         view.UseFXAA = 0
         view.ResolutionMode = "Per rank"
         view.ResolutionDivisors = [4]
@@ -158,8 +176,8 @@ class MetabufferView(testing.TestCase):
         size = [300, 240]
         for divisor in (2, 4, 5):
             with self.subTest(divisor=divisor):
-                small = self.make_view("RenderView", size=[length // divisor for length in size])
-                ours = self.make_view("MetabufferRenderView", size=size)
+                small = self.get_view("RenderView", size=[length // divisor for length in size])
+                ours = self.get_view("MetabufferRenderView", size=size)
                 for view in (small, ours):
                     view.UseFXAA = 0
                     view.OrientationAxesVisibility = 0
@@ -172,7 +190,7 @@ class MetabufferView(testing.TestCase):
 
     def test_full_resolution_comes_back(self):
         self.require_several_ranks()
-        view = self.make_view("MetabufferRenderView")
+        view = self.get_view("MetabufferRenderView")
         full = self.save(view, "full")
         view.ResolutionMode = "Per rank"
         view.ResolutionDivisors = [4, 2]
@@ -183,7 +201,7 @@ class MetabufferView(testing.TestCase):
 
     def test_frames_of_a_time_budget_are_coarse_until_the_camera_rests(self):
         self.require_several_ranks()
-        view = self.make_view("MetabufferRenderView")
+        view = self.get_view("MetabufferRenderView")
         view.UseFXAA = 0
         view.OrientationAxesVisibility = 0
         full = self.save(view, "still")
@@ -202,8 +220,8 @@ class MetabufferView(testing.TestCase):
     def test_supersampled_pixels_are_means_of_those_of_a_larger_image(self):
         self.require_several_ranks()
         size = [300, 240]
-        large = self.make_view("RenderView", size=[2 * length for length in size])
-        ours = self.make_view("MetabufferRenderView", size=size)
+        large = self.get_view("RenderView", size=[2 * length for length in size])
+        ours = self.get_view("MetabufferRenderView", size=size)
         for view in (large, ours):
             view.UseFXAA = 0
             view.OrientationAxesVisibility = 0
@@ -218,7 +236,7 @@ class MetabufferView(testing.TestCase):
     def test_animations_have_the_frames_of_the_stock_view(self):
         frames = {}
         for kind in ("RenderView", "MetabufferRenderView"):
-            view = self.make_view(kind)
+            view = self.get_view(kind)
             scene = simple.GetAnimationScene()
             scene.PlayMode = "Sequence"
             scene.NumberOfFrames = 3
@@ -244,7 +262,7 @@ class MetabufferView(testing.TestCase):
 
     def test_viewports_are_outlined_in_colors_of_their_own(self):
         self.require_several_ranks()
-        view = self.make_view("MetabufferRenderView")
+        view = self.get_view("MetabufferRenderView")
         view.UseFXAA = 0
         plain = self.save(view, "plain")
         view.ShowViewports = 1
@@ -259,7 +277,7 @@ class MetabufferView(testing.TestCase):
 
         depths = []
         for kind in ("RenderView", "MetabufferRenderView"):
-            view = self.make_view(kind)
+            view = self.get_view(kind)
             simple.Render(view)
             view.CaptureDepthBuffer()
             captured = view.GetClientSideObject().GetCapturedZBuffer()
@@ -271,7 +289,7 @@ class MetabufferView(testing.TestCase):
     def test_selections_are_those_of_the_stock_view(self):
         counts = []
         for kind in ("RenderView", "MetabufferRenderView"):
-            view = self.make_view(kind)
+            view = self.get_view(kind)
             simple.Render(view)
             simple.SelectSurfaceCells(Rectangle=[60, 60, 200, 150], View=view)
             selected = simple.ExtractSelection(Input=self.surface)

@@ -212,6 +212,34 @@ class TestCase(unittest.TestCase):
         self.assertLess(compare_image(view, baseline_name, image_name), LARGEST_DIFFERENCE)
 
 
+class Properties:
+    """Those of a proxy, to be given back: tests share views and displays, since Show takes a third of a
+    second on each rank."""
+
+    def __init__(self, proxy):
+        self.proxy = proxy
+        self.values = self.read()
+
+    def read(self):
+        properties = {name: self.proxy.GetProperty(name) for name in self.proxy.ListProperties()}
+        values = simple.servermanager.VectorProperty, simple.servermanager.ProxyProperty
+        return {
+            name: one.GetData() if len(one) == 1 else list(one.GetData())
+            for name, one in properties.items()
+            if isinstance(one, values)
+            and not isinstance(one, simple.servermanager.InputProperty)
+            and not one.SMProperty.GetInformationOnly()
+            and len(one) > 0
+        }
+
+    def give_back(self):
+        changed = self.read()
+        for name, value in self.values.items():
+            if changed.get(name) != value:
+                self.proxy.SetPropertyWithName(name, value)
+        self.proxy.UpdateVTKObjects()
+
+
 def state(name):
     """The path of what a test of the GUI has saved."""
     return os.path.join(arguments.states, name)
