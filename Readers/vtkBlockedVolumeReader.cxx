@@ -20,6 +20,7 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Base/BackgroundTask.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Storage/Sampling/BlockAssembly.h"
@@ -56,18 +57,36 @@ std::string DescribeLevel(const isosurface::GridGeometry& grid, int level)
                     : "level " + std::to_string(level) + ", " +
       DescribeDimensions(grid.Coarsen(level)) + ", of " + DescribeDimensions(grid);
 }
+
+std::vector<std::size_t> FindEnabledArrays(
+  const isosurface::BlockedVolumeHeader& header, vtkDataArraySelection& selection)
+{
+  std::vector<std::size_t> enabled;
+  for (std::size_t array = 0; array < header.Arrays.size(); ++array)
+  {
+    if (selection.ArrayIsEnabled(header.Arrays[array].Name.c_str()))
+    {
+      enabled.push_back(array);
+    }
+  }
+  return enabled;
+}
 } // namespace
 
 /// Fills an output with a piece of the volume. Not collective.
 struct vtkBlockedVolumeReader::Reading
 {
   vtkBlockedVolumeReader* Reader;
-  isosurface::BlockedVolume& Volume;
+  std::shared_ptr<isosurface::BlockedVolume> Volume;
+  std::vector<std::size_t> Arrays;
   std::size_t Step;
   int Piece;
   int Pieces;
   int Threads;
 
+  /// What is asked for of the handle's volume.
+  Reading(vtkBlockedVolumeReader& reader, const vtkBlockedVolumeHandle& handle,
+    vtkInformation* outInfo, int threads);
   /// What decides about the output of all ranks.
   static std::vector<isosurface::CommonValue> MakeCommonValues(
     const vtkBlockedVolumeReader& reader, vtkInformation* outInfo);
@@ -75,8 +94,24 @@ struct vtkBlockedVolumeReader::Reading
   /// The image of one cell that stands for the volume.
   void MakeBox(vtkPartitionedDataSet* partitions) const;
   /// The slab of the piece at the finest level that fits MemoryLimit.
-  Status ReadSlab(vtkPartitionedDataSet* partitions) const;
-  static std::vector<std::size_t> FindEnabledArrays(const vtkBlockedVolumeReader& reader);
+  Status MakeSlab(vtkPartitionedDataSet* partitions) const;
+
+  std::optional<int> FindLevel() const;
+  /// Begins to read the slab beside the calling thread; null if there is none.
+  std::unique_ptr<PreparedOutput> PrepareSlab() const;
+  /// Null if the slab is empty.
+  isosurface::Result<vtkSmartPointer<vtkDataSet>> ReadSlab(
+    int level, const isosurface::Progress& progress) const;
+  /// Tells slabs apart.
+  std::uint64_t ComputeFingerprint(int level) const;
+};
+
+/// A slab that is read beside the calling thread.
+struct vtkBlockedVolumeReader::PreparedOutput
+{
+  std::uint64_t Fingerprint;
+  vtkSmartPointer<vtkDataSet> Slab;                 ///< the thread's until it has ended
+  std::unique_ptr<isosurface::BackgroundTask> Work; ///< the last member: it uses the others
 };
 
 //------------------------------------------------------------------------------
@@ -264,7 +299,7 @@ void vtkBlockedVolumeReader::TellVolume(vtkInformation* outInfo)
       this->PointDataArraySelection->RemoveArrayByIndex(index);
     }
   }
-  this->Handle->SetArrays(Reading::FindEnabledArrays(*this));
+  this->Handle->SetArrays(FindEnabledArrays(header, *this->PointDataArraySelection));
 
   std::vector<double> times;
   for (const isosurface::TimeStepDescription& step : header.TimeSteps)
@@ -316,24 +351,22 @@ int vtkBlockedVolumeReader::RequestData(
     isosurface::SilenceFailure(output);
     return 0;
   }
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  const Reading reading = { this, *this->Handle->GetVolume(), this->Handle->FindTimeStep(outInfo),
-    outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
-    std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES())), ranks.ChooseThreads(0) };
-  if (const auto time = reading.Volume.GetHeader().TimeSteps[reading.Step].Time)
+  const Reading reading(*this, *this->Handle, outInfo, ranks.ChooseThreads(0));
+  if (const auto time = reading.Volume->GetHeader().TimeSteps[reading.Step].Time)
   {
     partitions->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *time);
   }
   const bool isBox = !this->Handle->IsOutputNeeded();
-  status = isosurface::Attempt(reading.Volume.GetPath(),
+  status = isosurface::Attempt(reading.Volume->GetPath(),
     [&]
     {
       if (isBox)
       {
         reading.MakeBox(partitions);
       }
-      return isBox ? Status::Ok() : reading.ReadSlab(partitions);
+      return isBox ? Status::Ok() : reading.MakeSlab(partitions);
     });
+  this->Prepared.reset();
   this->Handle->FinishOutput(isBox);
   if (!this->StandInText.empty())
   {
@@ -344,7 +377,7 @@ int vtkBlockedVolumeReader::RequestData(
   {
     status = Status(StatusCode::Aborted, "reading was aborted");
   }
-  const auto news = reading.Volume.ShareStoreFaults(ranks);
+  const auto news = reading.Volume->ShareStoreFaults(ranks);
   status = news.IsOk() ? ranks.Agree(status) : news.GetStatus();
   isosurface::ReportWarning(this, ranks, status, news.IsOk() ? news->Warning : "");
   if (!status.IsOk())
@@ -366,7 +399,7 @@ std::vector<isosurface::CommonValue> vtkBlockedVolumeReader::Reading::MakeCommon
   properties.AddNumber(static_cast<std::uint64_t>(reader.MemoryLimit));
   if (reader.Handle->GetVolume())
   {
-    for (const std::size_t array : FindEnabledArrays(reader))
+    for (const std::size_t array : reader.Handle->GetArrays())
     {
       properties.AddNumber(array);
     }
@@ -379,40 +412,82 @@ std::vector<isosurface::CommonValue> vtkBlockedVolumeReader::Reading::MakeCommon
 }
 
 //------------------------------------------------------------------------------
-std::vector<std::size_t> vtkBlockedVolumeReader::Reading::FindEnabledArrays(
-  const vtkBlockedVolumeReader& reader)
+vtkBlockedVolumeReader::Reading::Reading(vtkBlockedVolumeReader& reader,
+  const vtkBlockedVolumeHandle& handle, vtkInformation* outInfo, int threads)
+  : Reader(&reader)
+  , Volume(handle.GetVolume())
+  , Arrays(FindEnabledArrays(this->Volume->GetHeader(), *reader.PointDataArraySelection))
+  , Step(handle.FindTimeStep(outInfo))
+  , Piece(outInfo->Get(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER()))
+  , Pieces(std::max(1, outInfo->Get(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES())))
+  , Threads(threads)
 {
-  std::vector<std::size_t> enabled;
-  const auto& arrays = reader.Handle->GetVolume()->GetHeader().Arrays;
-  for (std::size_t array = 0; array < arrays.size(); ++array)
-  {
-    if (reader.PointDataArraySelection->ArrayIsEnabled(arrays[array].Name.c_str()))
-    {
-      enabled.push_back(array);
-    }
-  }
-  return enabled;
 }
 
 //------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions) const
 {
-  this->Reader->ShownText = "nothing yet, of " + DescribeDimensions(this->Volume.GetHeader().Grid);
+  this->Reader->ShownText = "nothing yet, of " + DescribeDimensions(this->Volume->GetHeader().Grid);
   // Whoever asks for information (ParaView's panels) learns the bounds, arrays and ranges.
   if (this->Piece == 0)
   {
     partitions->SetNumberOfPartitions(1);
-    partitions->SetPartition(0, isosurface::MakeBox(this->Volume, this->Step));
+    partitions->SetPartition(0, isosurface::MakeBox(*this->Volume, this->Step));
   }
 }
 
 //------------------------------------------------------------------------------
-Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitions) const
+std::optional<int> vtkBlockedVolumeReader::Reading::FindLevel() const
+{
+  return isosurface::FindLevelWithin(
+    *this->Volume, this->Arrays, this->Pieces, this->Reader->MemoryLimit * Mebibyte);
+}
+
+//------------------------------------------------------------------------------
+std::uint64_t vtkBlockedVolumeReader::Reading::ComputeFingerprint(int level) const
+{
+  isosurface::Fingerprint fingerprint;
+  fingerprint.AddNumber(this->Volume->GetFingerprint());
+  fingerprint.AddNumber(this->Step);
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Piece));
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Pieces));
+  fingerprint.AddNumber(static_cast<std::uint64_t>(level));
+  for (const std::size_t array : this->Arrays)
+  {
+    fingerprint.AddNumber(array);
+  }
+  return fingerprint.Get();
+}
+
+//------------------------------------------------------------------------------
+isosurface::Result<vtkSmartPointer<vtkDataSet>> vtkBlockedVolumeReader::Reading::ReadSlab(
+  int level, const isosurface::Progress& progress) const
+{
+  const isosurface::BlockBox slab =
+    isosurface::PartitionBlocks(*this->Volume->FindLevel(level).Grid, this->Piece, this->Pieces);
+  if (slab.IsEmpty())
+  {
+    return vtkSmartPointer<vtkDataSet>();
+  }
+  isosurface::QueryStatistics statistics;
+  auto part = isosurface::ReadSlab(
+    *this->Volume, slab, this->Step, this->Arrays, level, this->Threads, statistics, progress);
+  ISOSURFACE_RETURN_IF_ERROR(part.GetStatus());
+  vtkLogF(1,
+    "%s: piece %d of %d: level %d: %llu blocks read, %llu from the cache, %llu bytes read, "
+    "%.4f s",
+    this->Volume->GetPath().c_str(), this->Piece, this->Pieces, level,
+    static_cast<unsigned long long>(statistics.BlocksRead),
+    static_cast<unsigned long long>(statistics.BlockCacheHits),
+    static_cast<unsigned long long>(statistics.BytesRead), statistics.ReadSeconds);
+  return part;
+}
+
+//------------------------------------------------------------------------------
+Status vtkBlockedVolumeReader::Reading::MakeSlab(vtkPartitionedDataSet* partitions) const
 {
   vtkBlockedVolumeReader* reader = this->Reader;
-  const std::vector<std::size_t> arrays = FindEnabledArrays(*reader);
-  const std::optional<int> level =
-    isosurface::FindLevelWithin(this->Volume, arrays, this->Pieces, reader->MemoryLimit * Mebibyte);
+  const std::optional<int> level = this->FindLevel();
   if (!level)
   {
     vtkWarningWithObjectMacro(reader, << reader->FileName
@@ -421,27 +496,67 @@ Status vtkBlockedVolumeReader::Reading::ReadSlab(vtkPartitionedDataSet* partitio
     return Status::Ok();
   }
   reader->Level = *level;
-  reader->ShownText = DescribeLevel(this->Volume.GetHeader().Grid, *level);
-  const isosurface::BlockBox slab =
-    isosurface::PartitionBlocks(*this->Volume.FindLevel(*level).Grid, this->Piece, this->Pieces);
-  if (slab.IsEmpty())
+  reader->ShownText = DescribeLevel(this->Volume->GetHeader().Grid, *level);
+  const bool isPrepared = reader->IsOutputPrepared(0) && reader->Prepared &&
+    reader->Prepared->Work->GetStatus().IsOk() &&
+    reader->Prepared->Fingerprint == this->ComputeFingerprint(*level);
+  const auto slab =
+    isPrepared ? reader->Prepared->Slab : this->ReadSlab(*level, isosurface::MakeProgress(*reader));
+  ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
+  if (*slab)
   {
-    return Status::Ok();
+    partitions->SetNumberOfPartitions(1);
+    partitions->SetPartition(0, *slab);
   }
-  isosurface::QueryStatistics statistics;
-  const auto part = isosurface::ReadSlab(this->Volume, slab, this->Step, arrays, *level,
-    this->Threads, statistics, isosurface::MakeProgress(*reader));
-  ISOSURFACE_RETURN_IF_ERROR(part.GetStatus());
-  partitions->SetNumberOfPartitions(1);
-  partitions->SetPartition(0, *part);
-  vtkLogF(1,
-    "%s: piece %d of %d: level %d: %llu blocks read, %llu from the cache, %llu bytes read, "
-    "%.4f s",
-    reader->FileName, this->Piece, this->Pieces, *level,
-    static_cast<unsigned long long>(statistics.BlocksRead),
-    static_cast<unsigned long long>(statistics.BlockCacheHits),
-    static_cast<unsigned long long>(statistics.BytesRead), statistics.ReadSeconds);
   return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+std::unique_ptr<vtkBlockedVolumeReader::PreparedOutput>
+vtkBlockedVolumeReader::Reading::PrepareSlab() const
+{
+  const std::optional<int> level = this->FindLevel();
+  if (!level)
+  {
+    return nullptr;
+  }
+  auto output = std::make_unique<PreparedOutput>();
+  output->Fingerprint = this->ComputeFingerprint(*level);
+  output->Work = std::make_unique<isosurface::BackgroundTask>(this->Volume->GetPath(),
+    [reading = *this, level = *level, &slab = output->Slab](
+      const isosurface::Progress& advance) -> Status
+    {
+      auto read = reading.ReadSlab(level, advance);
+      ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
+      slab = *read;
+      return Status::Ok();
+    });
+  return output;
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::PrepareOutput(vtkBlockedVolumeHandle* volume)
+{
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  const int threads = ranks.ChooseThreads(0);
+  this->Prepared.reset();
+  if (!this->Handle->IsOutputBox())
+  {
+    const auto prepare = [&]
+    {
+      const Reading reading(*this, *volume, this->GetOutputInformation(0), threads);
+      this->Prepared = reading.PrepareSlab();
+      return Status::Ok();
+    };
+    // The next execution tells what is wrong.
+    static_cast<void>(isosurface::Attempt(volume->GetVolume()->GetPath(), prepare));
+  }
+}
+
+//------------------------------------------------------------------------------
+bool vtkBlockedVolumeReader::IsOutputPrepared(double seconds)
+{
+  return !this->Prepared || this->Prepared->Work->Wait(seconds);
 }
 
 //------------------------------------------------------------------------------

@@ -24,6 +24,7 @@
 #include "vtkPartitionedDataSetAlgorithm.h"
 #include "vtkSmartPointer.h" // For the handle
 
+#include <memory> // For what is prepared
 #include <string> // For the last error
 
 class vtkBlockedVolumeHandle;
@@ -138,11 +139,24 @@ protected:
    */
   void SetStandIn(vtkBlockedVolumeHandle* standIn, const std::string& text);
 
+  ///@{
+  /**
+   * Reads the output of an execution that is asked for the same as the last one, but of the volume of
+   * this handle, beside the calling thread. The next execution takes it, if it is the one that is
+   * asked for. If reading fails, that execution reads, too, and tells the error. Where the last
+   * output was a box, nothing is read. Collective. IsOutputPrepared waits for the end, but not longer
+   * than so many seconds.
+   */
+  void PrepareOutput(vtkBlockedVolumeHandle* volume);
+  bool IsOutputPrepared(double seconds);
+  ///@}
+
 private:
   vtkBlockedVolumeReader(const vtkBlockedVolumeReader&) = delete;
   void operator=(const vtkBlockedVolumeReader&) = delete;
 
-  struct Reading; ///< the steps of RequestData
+  struct Reading;        ///< the steps of RequestData
+  struct PreparedOutput; ///< of the next execution
 
   bool OpenVolume();
   /// Tells the pipeline about the arrays and times of the open volume.
@@ -163,6 +177,7 @@ private:
   std::string ShownText;
   vtkSmartPointer<vtkBlockedVolumeHandle> StandIn;
   std::string StandInText;
+  std::unique_ptr<PreparedOutput> Prepared; ///< null if nothing is
 };
 
 #endif

@@ -222,9 +222,12 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
   else if (reader.Growing)
   {
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(reader.Growing->GetStatus()));
-    const auto inMemory = reader.Growing->OpenInMemory();
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(inMemory.GetStatus()));
-    volume = *inMemory;
+    if (reader.Growing->IsInMemory()) // then this rank is alone
+    {
+      const auto opened = reader.Growing->Open();
+      ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+      volume = *opened;
+    }
   }
   vtkNew<vtkBlockedVolumeHandle> standIn;
   standIn->SetVolume(volume);
@@ -385,6 +388,7 @@ int vtkInPlaceVolumeReader::RequestData(
 isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(isosurface::Communicator& ranks)
 {
   Steps steps(*this);
+  this->Indexed = nullptr;
   std::vector<std::uint64_t> all = { this->CoarseAllowed ? 1u : 0u, steps.IsGrowing() ? 1u : 0u };
   ranks.ReduceMinimum(all);
   const bool isCoarse = all[0] != 0;
@@ -426,10 +430,12 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
   {
     return;
   }
-  if (this->Growing->Advance(ranks, std::max(0, milliseconds) / 1000.0))
+  const double seconds = std::max(0, milliseconds) / 1000.0;
+  if (this->Growing->Advance(ranks, seconds))
   {
     const Status status = ranks.Agree(this->Growing->GetStatus());
-    this->Indexing[0] = status.IsOk() ? Ready : Failed;
+    const bool isReady = status.IsOk() && this->PrepareVolume(ranks, seconds);
+    this->Indexing[0] = !status.IsOk() ? Failed : isReady ? Ready : Working;
     if (status.GetCode() == StatusCode::Aborted)
     {
       this->IndexText = this->Growing->GetIndex().Path + ": writing it was stopped";
@@ -446,6 +452,28 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
   }
   this->Indexing[1] = this->Growing->GetProgress();
   this->Indexing[2] = this->Growing->EstimateSeconds();
+}
+
+//------------------------------------------------------------------------------
+bool vtkInPlaceVolumeReader::PrepareVolume(isosurface::Communicator& ranks, double seconds)
+{
+  if (!this->Indexed)
+  {
+    const auto opened =
+      isosurface::Attempt(this->Growing->GetIndex().Path, [this] { return this->Growing->Open(); });
+    std::vector<std::uint64_t> isOpen = { opened.IsOk() ? 1u : 0u };
+    ranks.ReduceMinimum(isOpen);
+    if (isOpen[0] == 0)
+    {
+      return true; // whoever takes it tells what is wrong
+    }
+    this->Indexed = vtkSmartPointer<vtkBlockedVolumeHandle>::New();
+    this->Indexed->SetVolume(*opened);
+    this->PrepareOutput(this->Indexed);
+  }
+  std::vector<std::uint64_t> isPrepared = { this->IsOutputPrepared(seconds) ? 1u : 0u };
+  ranks.ReduceMinimum(isPrepared);
+  return isPrepared[0] != 0;
 }
 
 //------------------------------------------------------------------------------

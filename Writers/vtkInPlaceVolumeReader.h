@@ -163,6 +163,9 @@ private:
 
   /// Makes what is to be read: the volume in place, or a sample of the file. Collective.
   isosurface::Status UpdateIndex(isosurface::Communicator& ranks);
+  /// Has the output of the indexed volume read beside the calling thread; whether all ranks have it.
+  /// Collective.
+  bool PrepareVolume(isosurface::Communicator& ranks, double seconds);
 
   char* SourceName;
   char* Dataset;
@@ -176,6 +179,7 @@ private:
   bool CoarseAllowed;
   double Indexing[3];
   std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown
+  vtkSmartPointer<vtkBlockedVolumeHandle> Indexed;   ///< the volume, between its end and TakeIndex
 };
 
 #endif

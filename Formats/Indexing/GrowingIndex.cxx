@@ -66,15 +66,14 @@ bool GrowingIndex::IsCurrent() const
   return state.IsOk() && *state == IndexState::Current;
 }
 
-Result<std::shared_ptr<BlockedVolume>> GrowingIndex::OpenInMemory() const
+Result<std::shared_ptr<BlockedVolume>> GrowingIndex::Open() const
 {
-  if (!this->Memory)
+  auto opened = BlockedVolume::Open(this->Index.Path, this->Memory ? *this->Memory : this->Files,
+    BlockCache::GetProcessCache(), OpenForeignVolume);
+  if (!opened.IsOk() || !this->Memory)
   {
-    return std::shared_ptr<BlockedVolume>();
+    return opened;
   }
-  const auto opened = BlockedVolume::Open(
-    this->Index.Path, *this->Memory, BlockCache::GetProcessCache(), OpenForeignVolume);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   const auto kept =
     std::make_shared<std::pair<std::shared_ptr<MemoryFileSystem>, std::shared_ptr<BlockedVolume>>>(
       this->Memory, *opened);

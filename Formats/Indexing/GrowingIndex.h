@@ -82,9 +82,10 @@ public:
   const std::string& GetLeftOut() const { return this->LeftOut; }
   /// Whether the index is of the source as it is now. Only after it has ended well.
   bool IsCurrent() const;
-  /// The volume of an index in memory, which stays valid without this object; null if the index is
-  /// in its place. Only after it has ended well.
-  Result<std::shared_ptr<BlockedVolume>> OpenInMemory() const;
+  /// Whether the index is not in its place.
+  bool IsInMemory() const { return this->Memory != nullptr; }
+  /// The volume, which stays valid without this object. Only after it has ended well.
+  Result<std::shared_ptr<BlockedVolume>> Open() const;
 
 private:
   const SourceIndex Index;

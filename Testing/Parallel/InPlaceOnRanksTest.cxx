@@ -20,6 +20,7 @@
 
 #include "ControllerCommunicator.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Storage/Store/BlockCache.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
@@ -223,6 +224,40 @@ TEST_F(FirstContact, OfOneRankIsExactWhereTheFileIsIndexed)
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
   EXPECT_EQ(prepare(), 0) << "all is exact";
   EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+}
+
+TEST_F(FirstContact, TheOutputOfTheIndexIsReadBeforeItIsTaken)
+{
+  const auto update = [&]() -> vtkDataSet*
+  {
+    this->Reader->AllowCoarse(1);
+    this->Reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    this->Reader->AllowCoarse(0);
+    auto* output = vtkPartitionedDataSet::SafeDownCast(this->Reader->GetOutputDataObject(0));
+    return output->GetPartition(0);
+  };
+  this->Reader->Modified();
+  update();
+  EXPECT_STREQ(this->Reader->GetShownText(), "one of 2 x 1 x 1 samples");
+  EXPECT_EQ(this->Advance(), 2);
+  // Nothing can be read any more.
+  isosurface::BlockCache::GetProcessCache()->Clear();
+  GetRanks()->Barrier();
+  OnFirstRank([&] { std::filesystem::remove(this->Folder.GetPath("scan.mhd.raw")); });
+  this->Reader->TakeIndex();
+  vtkDataSet* const output = update();
+  EXPECT_EQ(std::string(this->Reader->GetShownText()).substr(0, 9), "all of it");
+  ASSERT_TRUE(output) << "it was not read beforehand";
+  vtkDataArray* const values = output->GetPointData()->GetScalars();
+  int different = 0;
+  for (vtkIdType point = 0; point < output->GetNumberOfPoints(); ++point)
+  {
+    const vtkIdType same = this->Image->FindPoint(output->GetPoint(point));
+    different +=
+      values->GetTuple1(point) == this->Image->GetPointData()->GetScalars()->GetTuple1(same) ? 0
+                                                                                             : 1;
+  }
+  EXPECT_EQ(different, 0);
 }
 
 TEST_F(FirstContact, ASliceSaysThatItIsOfASampleUntilItIsOfTheIndex)
