@@ -289,10 +289,11 @@ Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const Surfa
     task.Request.Attributes.push_back(array.Layout);
   }
   task.Finished = input.GetHandle().GetFinished();
+  const bool isOfSample = input.GetHandle().IsSampleOfAll();
   std::string warning;
   const Status status = RunWithReplicas(
     ranks, [&] { return task.Volume.get(); }, warning,
-    [&] { return this->ExtractOnce(task, outcome); });
+    [&] { return this->ExtractOnce(task, isOfSample, outcome); });
   ReportWarning(&this->Contour, ranks, status, warning);
   return this->ChooseIslands(
     ranks, status,
@@ -371,17 +372,24 @@ void ContourExecution::WarnOfLackOfMemory(const ExtractionTask& task, int level)
   }
 }
 
-Status ContourExecution::ExtractOnce(ExtractionTask task, ContourOutcome& outcome)
+Status ContourExecution::ExtractOnce(ExtractionTask task, bool isOfSample, ContourOutcome& outcome)
 {
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
-  const auto finest = this->ChoosePassLevel(task);
+  const auto finest = this->ChoosePassLevel(task, isOfSample);
   ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
+  outcome.MayStay = this->LastPass.MayStay;
+  outcome.Stays = this->LastPass.Stays;
   task.Finished = this->LastPass.Finished;
   task.FinishedSlices = this->LastPass.FinishedSlices;
   outcome.Final = *finest <= this->Contour.GetLevel();
   this->LastPass.Query = task.Query;
   this->LastPass.Request = task.Request;
+  if (outcome.Stays)
+  {
+    outcome.Cost.Level = *finest;
+    return Status::Ok();
+  }
   if (budget.IsLimited())
   {
     ControllerCommunicator ranks = this->GetRanks();

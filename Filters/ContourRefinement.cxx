@@ -40,7 +40,7 @@ constexpr std::uint64_t DirectVertices = 1 << 23;
 } // namespace
 
 //------------------------------------------------------------------------------
-Result<int> ContourExecution::ChoosePassLevel(const ExtractionTask& task)
+Result<int> ContourExecution::ChoosePassLevel(const ExtractionTask& task, bool isOfSample)
 {
   const std::shared_ptr<BlockedVolume>& volume = task.Volume;
   const SurfaceQuery& query = task.Query;
@@ -57,7 +57,7 @@ Result<int> ContourExecution::ChoosePassLevel(const ExtractionTask& task)
   }
   this->DropRefinement();
   this->LastImages = {};
-  this->LastPass = {};
+  const Pass before = std::exchange(this->LastPass, {});
   this->LastRefinement = {};
   pass.Level = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
   if (this->Contour.GetProgressive() || this->CoarseAllowed)
@@ -79,8 +79,45 @@ Result<int> ContourExecution::ChoosePassLevel(const ExtractionTask& task)
     this->Contour.GetTimeBudget() <= 0 && this->Contour.GetMaximumTriangles() == 0)
   {
     pass.Finished = task.Finished;
+    // The triangles of a region are not known before it is extracted.
+    pass.MayStay = isOfSample && query.Selection.Region.GetHalfSpaces().empty();
+    ISOSURFACE_RETURN_IF_ERROR(this->KeepSurface(task, before));
   }
   return pass.Level;
+}
+
+//------------------------------------------------------------------------------
+Status ContourExecution::KeepSurface(const ExtractionTask& task, const Pass& before)
+{
+  Pass& pass = this->LastPass;
+  ControllerCommunicator ranks = this->GetRanks();
+  std::vector<std::uint64_t> all = { before.MayStay && before.Shown && !pass.MayStay &&
+        before.Time == pass.Time && before.Query.TimeStep == task.Query.TimeStep
+      ? 1U
+      : 0U };
+  std::vector<std::uint64_t> shown = { before.Triangles };
+  ranks.ReduceMinimum(all);
+  ranks.ReduceSum(shown);
+  double triangles = 0; // of the level
+  const auto choose = [&]() -> Status
+  {
+    for (int level = pass.Level; all[0] != 0; level = this->GetLevelAfterPass(*task.Volume))
+    {
+      const auto estimate = EstimateTriangles(*task.Volume, task.Query, level);
+      ISOSURFACE_RETURN_IF_ERROR(estimate.GetStatus());
+      if (level == 0 || *estimate > static_cast<double>(shown[0]))
+      {
+        break; // it follows
+      }
+      pass.Stays = true;
+      pass.Level = level;
+      triangles = *estimate;
+    }
+    return Status::Ok();
+  };
+  const Status status = ranks.Agree(Attempt(NotExtracted, choose));
+  pass.Triangles = static_cast<std::size_t>(triangles / task.Query.Ranks);
+  return status;
 }
 
 //------------------------------------------------------------------------------
@@ -89,7 +126,11 @@ void ContourExecution::SetShown(bool shown, std::size_t triangles)
   this->LastImages.Shown = shown;
   this->LastImages.Triangles = triangles;
   this->LastPass.Shown = shown;
-  this->LastPass.Triangles = triangles;
+  this->LastPass.Stays = this->LastPass.Stays && shown;
+  if (!this->LastPass.Stays)
+  {
+    this->LastPass.Triangles = triangles;
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -301,6 +342,7 @@ bool ContourExecution::Refine()
   }
   pass.Level = this->GetLevelAfterPass(*volume);
   pass.Shown = false;
+  pass.Stays = false;
   return true;
 }
 

@@ -37,6 +37,8 @@ struct ContourOutcome : ExtractionOutcome
   std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
   std::string ArrayName;                 ///< of the contoured array
   bool Final = true;                     ///< whether a progressive surface is at its last level
+  bool MayStay = false;                  ///< whether the next execution may have it stay
+  bool Stays = false; ///< whether nothing was extracted, and the last surface stays
   std::size_t ExtractedTriangles = 0;    ///< before islands were left out
   std::optional<ChosenIslands> Islands;  ///< if they were asked for
   double IslandSeconds = 0;              ///< wall clock of finding and choosing them

@@ -36,6 +36,7 @@
 #include <array>
 #include <cstring>
 #include <string>
+#include <utility>
 
 vtkStandardNewMacro(vtkStabbingContour);
 vtkCxxSetObjectMacro(vtkStabbingContour, Controller, vtkMultiProcessController);
@@ -352,6 +353,7 @@ int vtkStabbingContour::RequestData(
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
   this->ReleaseInput(inInfo);
+  const vtkSmartPointer<vtkPolyData> last = std::move(this->LastSurface);
 
   isosurface::ControllerCommunicator ranks(this->Controller);
   isosurface::ContourOutcome made;
@@ -362,7 +364,19 @@ int vtkStabbingContour::RequestData(
     status = isosurface::Attempt(isosurface::NotExtracted,
       [&]
       {
-        FillOutput(*this, ranks.GetRank(), this->Work->ChooseThreads(), made, polyData);
+        if (made.Stays)
+        {
+          polyData->ShallowCopy(last);
+        }
+        else
+        {
+          FillOutput(*this, ranks.GetRank(), this->Work->ChooseThreads(), made, polyData);
+        }
+        if (made.Stays || made.MayStay)
+        {
+          this->LastSurface = vtkSmartPointer<vtkPolyData>::New();
+          this->LastSurface->ShallowCopy(polyData);
+        }
         return Status::Ok();
       });
   }
@@ -381,7 +395,14 @@ int vtkStabbingContour::RequestData(
     polyData->Initialize();
     return isosurface::EndExecution(this, output, status);
   }
-  LogCost(ranks.GetRank(), made.Cost);
+  if (made.Stays)
+  {
+    vtkLogF(1, "Stabbing Contour: rank %d: the surface of the sample stays", ranks.GetRank());
+  }
+  else
+  {
+    LogCost(ranks.GetRank(), made.Cost);
+  }
   return 1;
 }
 

@@ -31,6 +31,7 @@
 #include "vtkContourValues.h"        // For the isovalues
 #include "vtkNew.h"                  // For the isovalues
 #include "vtkPolyDataAlgorithm.h"
+#include "vtkSmartPointer.h" // For the last surface
 
 #include <memory> // For the work
 #include <string> // For array names
@@ -440,6 +441,7 @@ private:
   int NumberOfThreads;
   vtkMultiProcessController* Controller;
   std::unique_ptr<isosurface::ContourExecution> Work;
+  vtkSmartPointer<vtkPolyData> LastSurface; ///< if the next execution may have it stay
 };
 
 #endif

@@ -70,10 +70,16 @@ public:
 
   ///@{
   /**
-   * If the volume is a sample of a file that is being indexed: how much of it that is, for people.
+   * If the volume is a sample of a file that is being indexed: how much of it that is, for people, and
+   * whether it reaches through all of the file.
    */
-  void SetSampleText(const std::string& text) { this->SampleText = text; }
+  void SetSample(const std::string& text, bool isOfAll)
+  {
+    this->SampleText = text;
+    this->SampleOfAll = isOfAll;
+  }
   const std::string& GetSampleText() const { return this->SampleText; }
+  bool IsSampleOfAll() const { return this->SampleOfAll; }
   ///@}
 
   ///@{
@@ -132,6 +138,7 @@ private:
   bool Untried = true;
   std::vector<std::size_t> Arrays;
   std::string SampleText;
+  bool SampleOfAll = false;
   std::shared_ptr<isosurface::FinishedLayers> Finished;
   std::set<const vtkObject*> Takers;
   bool IsAsked = false;

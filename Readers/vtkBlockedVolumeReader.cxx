@@ -251,16 +251,17 @@ bool vtkBlockedVolumeReader::OpenVolume()
   }
   (*volume)->SetLocalStores(this->LocalStores);
   this->Handle->SetVolume(*volume);
-  this->Handle->SetSampleText(this->StandIn ? this->StandInText : "");
-  this->Handle->SetFinished(this->StandIn ? this->StandIn->GetFinished() : nullptr);
+  const bool isSample = this->StandIn && !this->StandIn->GetSampleText().empty();
+  this->Handle->SetSample(
+    isSample ? this->StandIn->GetSampleText() : "", isSample && this->StandIn->IsSampleOfAll());
+  this->Handle->SetFinished(isSample ? this->StandIn->GetFinished() : nullptr);
   return true;
 }
 
 //------------------------------------------------------------------------------
-void vtkBlockedVolumeReader::SetStandIn(vtkBlockedVolumeHandle* standIn, const std::string& text)
+void vtkBlockedVolumeReader::SetStandIn(vtkBlockedVolumeHandle* standIn)
 {
   this->StandIn = standIn;
-  this->StandInText = text;
   this->OpenTime = 0;
 }
 
@@ -368,9 +369,9 @@ int vtkBlockedVolumeReader::RequestData(
     });
   this->Prepared.reset();
   this->Handle->FinishOutput(isBox);
-  if (!this->StandInText.empty())
+  if (!this->Handle->GetSampleText().empty())
   {
-    this->ShownText = this->StandInText;
+    this->ShownText = this->Handle->GetSampleText();
   }
   // Progress is told by one of the threads: a stop may have come when others did the last blocks.
   if (status.IsOk() && isosurface::IsAborted(*this))

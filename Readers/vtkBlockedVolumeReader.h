@@ -135,9 +135,9 @@ protected:
 
   /**
    * Reads the volume of this handle in place of FileName's, from the next execution on; null: no
-   * longer. `text` says what it is, for ShownText.
+   * longer. If it is a sample, ShownText is its text.
    */
-  void SetStandIn(vtkBlockedVolumeHandle* standIn, const std::string& text);
+  void SetStandIn(vtkBlockedVolumeHandle* standIn);
 
   ///@{
   /**
@@ -176,7 +176,6 @@ private:
   bool IsToldLate;       ///< whether RequestData tells what RequestInformation could not
   std::string ShownText;
   vtkSmartPointer<vtkBlockedVolumeHandle> StandIn;
-  std::string StandInText;
   std::unique_ptr<PreparedOutput> Prepared; ///< null if nothing is
 };
 

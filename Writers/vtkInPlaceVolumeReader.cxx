@@ -205,7 +205,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
 {
   vtkInPlaceVolumeReader& reader = this->Reader;
   std::shared_ptr<isosurface::BlockedVolume> volume;
-  std::string text;
+  vtkNew<vtkBlockedVolumeHandle> standIn;
   reader.Indexing[0] = Nothing;
   reader.IndexText = this->Index.Path + ": up to date";
   if (reader.Growing && !reader.Growing->Advance(ranks, 0))
@@ -214,8 +214,10 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     {
       ISOSURFACE_RETURN_IF_ERROR(reader.Growing->EnlargeSample());
     }
-    volume = reader.Growing->GetSample().Volume;
-    text = reader.Growing->GetSample().Text;
+    const isosurface::SourceSample& sample = reader.Growing->GetSample();
+    volume = sample.Volume;
+    standIn->SetSample(sample.Text, sample.Share == 1);
+    standIn->SetFinished(reader.Growing->GetFinished());
     reader.Indexing[0] = Working;
     reader.IndexText = this->Index.Path + ": is being written";
   }
@@ -229,17 +231,15 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
       volume = *opened;
     }
   }
-  vtkNew<vtkBlockedVolumeHandle> standIn;
   standIn->SetVolume(volume);
-  standIn->SetFinished(text.empty() ? nullptr : reader.Growing->GetFinished());
-  reader.SetStandIn(volume ? standIn.Get() : nullptr, text);
+  reader.SetStandIn(volume ? standIn.Get() : nullptr);
   if (!volume)
   {
     reader.Growing.reset();
     reader.SetFileName(nullptr); // a new file under the same path is opened again
     reader.SetFileName(this->Index.Path.c_str());
   }
-  else if (text.empty())
+  else if (standIn->GetSampleText().empty())
   {
     reader.IndexText = this->Index.Path + ": cannot be written; the index is kept in memory";
   }

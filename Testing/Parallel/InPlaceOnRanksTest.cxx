@@ -226,6 +226,40 @@ TEST_F(FirstContact, OfOneRankIsExactWhereTheFileIsIndexed)
   EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
 }
 
+TEST_F(FirstContact, TheSurfaceGetsNoCoarserWhenTheIndexIsTaken)
+{
+  const auto update = [&]
+  {
+    this->Contour->AllowCoarse(1);
+    this->Update();
+    this->Contour->AllowCoarse(0);
+    return this->CountTriangles();
+  };
+  const auto refine = [&](std::uint64_t least)
+  {
+    while (!this->Contour->GetFinal())
+    {
+      this->Contour->Refine();
+      const std::uint64_t triangles = update();
+      EXPECT_GE(triangles, least);
+      least = triangles;
+    }
+    return least;
+  };
+  this->Contour->Modified();
+  const std::uint64_t coarse = refine(update());
+  EXPECT_EQ(this->Advance(), 2);
+  this->Reader->TakeIndex();
+  EXPECT_EQ(update(), coarse) << "the sample stays until there is a finer surface";
+  EXPECT_EQ(update(), coarse);
+  EXPECT_FALSE(this->Contour->GetFinal());
+  refine(coarse + 1);
+  ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
+
+  this->Contour->SetValue(0, Isovalue + 20);
+  EXPECT_LT(update(), coarse) << "of another isovalue it does not stay";
+}
+
 TEST_F(FirstContact, TheOutputOfTheIndexIsReadBeforeItIsTaken)
 {
   const auto update = [&]() -> vtkDataSet*

@@ -44,8 +44,9 @@ public:
   {
     vtkNew<vtkBlockedVolumeHandle> standIn;
     standIn->SetVolume(*BlockedVolume::Open(sample));
+    standIn->SetSample("a sample", true);
     standIn->SetFinished(std::move(finished));
-    this->SetStandIn(standIn, "a sample");
+    this->SetStandIn(standIn);
   }
 };
 vtkStandardNewMacro(SampleReader);
