@@ -195,15 +195,18 @@ Status ContourExecution::Extract(
 Status ContourExecution::AgreeOnQuery(const VolumeInput& input, Communicator& ranks,
   SurfaceQuery& query, ContourOutcome& outcome, const ContourBlocks* blocks)
 {
+  std::uint64_t fingerprint = 0;
   const auto make = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(input.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(CheckIslands(this->MakeIslandRequest(0)));
-    return input ? this->MakeQuery(input, query, outcome) : Status::Ok();
+    const Status made = input ? this->MakeQuery(input, query, outcome) : Status::Ok();
+    fingerprint = this->ComputeFingerprint(query, blocks);
+    return made;
   };
   const Status status = Attempt(NotExtracted, make);
   std::vector<CommonValue> values = input.MakeCommonValues();
-  values.push_back({ this->ComputeFingerprint(query, blocks),
+  values.push_back({ fingerprint,
     "the properties of the contour filter, or of the one that takes its blocks, are not the same "
     "on all ranks" });
   return ranks.Agree(status, values);

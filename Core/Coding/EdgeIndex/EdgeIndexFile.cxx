@@ -4,7 +4,7 @@
 #include "Coding/EdgeIndex/EdgeIndexDecoder.h"
 #include "Coding/EdgeIndex/IsovalueJoin.h"
 #include "Ground/Base/Checksum.h"
-#include "Ground/Base/Coding.h"
+#include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Base/WithinMemory.h"
@@ -169,15 +169,14 @@ Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
 
 std::uint64_t EdgeIndexFile::GetFingerprint() const
 {
-  std::vector<std::uint8_t> sizes;
+  Fingerprint fingerprint;
+  fingerprint.AddNumber(ComputeChecksum(this->HeaderBytes.data(), this->HeaderBytes.size()));
   for (const EdgeIndexEntry& entry : this->Entries)
   {
-    AppendLittleEndian(sizes, entry.Offset);
-    AppendLittleEndian(sizes, entry.Size);
+    fingerprint.AddNumber(entry.Offset);
+    fingerprint.AddNumber(entry.Size);
   }
-  const std::uint64_t ofHeader =
-    ComputeChecksum(this->HeaderBytes.data(), this->HeaderBytes.size());
-  return ComputeChecksum(sizes.data(), sizes.size(), ofHeader);
+  return fingerprint.Get();
 }
 
 Status EdgeIndexFile::ReadDirectory()

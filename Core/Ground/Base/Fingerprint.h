@@ -5,24 +5,25 @@
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
 
+#include <array>
 #include <cstdint>
 #include <iterator>
 #include <string>
-#include <vector>
 
 namespace isosurface
 {
 
-/// A checksum of several properties, for ranks to compare in one value (CommonValue).
+/// A checksum of several properties, for ranks to compare in one value (CommonValue). It takes no
+/// memory, which one rank could lack before all agree.
 class Fingerprint
 {
 public:
-  void AddNumber(std::uint64_t number) { AppendLittleEndian(this->Bytes, number); }
-  void AddReal(double real) { AppendLittleEndian(this->Bytes, real); }
+  void AddNumber(std::uint64_t number) { this->AddValue(number); }
+  void AddReal(double real) { this->AddValue(real); }
   void AddText(const std::string& text)
   {
     this->AddNumber(text.size());
-    this->Bytes.insert(this->Bytes.end(), text.begin(), text.end());
+    this->Sum = ComputeChecksum(text.data(), text.size(), this->Sum);
   }
   template <typename Range>
   void AddReals(const Range& reals)
@@ -34,10 +35,18 @@ public:
     }
   }
 
-  std::uint64_t Get() const { return ComputeChecksum(this->Bytes.data(), this->Bytes.size()); }
+  std::uint64_t Get() const { return this->Sum; }
 
 private:
-  std::vector<std::uint8_t> Bytes;
+  template <typename T>
+  void AddValue(T value)
+  {
+    std::array<std::uint8_t, sizeof(T)> bytes;
+    StoreLittleEndian(bytes.data(), value);
+    this->Sum = ComputeChecksum(bytes.data(), bytes.size(), this->Sum);
+  }
+
+  std::uint64_t Sum = 0;
 };
 
 } // namespace isosurface

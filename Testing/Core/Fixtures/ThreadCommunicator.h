@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -72,7 +73,21 @@ public:
   }
   std::vector<Message> AllGather(const Message& mine) override
   {
-    std::vector<Message> outgoing(this->Shared.Slots.size(), mine);
+    std::vector<Message> outgoing;
+    std::vector<std::uint64_t> hasMemory = { 1 };
+    try
+    {
+      outgoing.assign(this->Shared.Slots.size(), mine);
+    }
+    catch (const std::bad_alloc&)
+    {
+      hasMemory[0] = 0;
+    }
+    this->ReduceMinimum(hasMemory);
+    if (hasMemory[0] == 0)
+    {
+      throw NoMemoryForMessages();
+    }
     return this->Exchange(std::move(outgoing));
   }
   std::vector<Message> Exchange(std::vector<Message> outgoing) override

@@ -52,7 +52,8 @@ protected:
         {
           shortage.emplace(allocation, MemoryShortage::Of::Thread);
         }
-        const Status status = deed(communicator, this->Disk);
+        const Status status =
+          RunCollective("the deed fails", [&] { return deed(communicator, this->Disk); });
         if (isOdd)
         {
           shortage.reset();
