@@ -281,16 +281,17 @@ TEST_F(FirstContact, TheOutputOfTheIndexIsReadBeforeItIsTaken)
   this->Reader->TakeIndex();
   vtkDataSet* const output = update();
   EXPECT_EQ(std::string(this->Reader->GetShownText()).substr(0, 9), "all of it");
-  ASSERT_TRUE(output) << "it was not read beforehand";
-  vtkDataArray* const values = output->GetPointData()->GetScalars();
+  vtkPointData* const whole = this->Image->GetPointData();
+  const vtkIdType points = output ? output->GetNumberOfPoints() : 0; // none beyond the last block
   int different = 0;
-  for (vtkIdType point = 0; point < output->GetNumberOfPoints(); ++point)
+  for (vtkIdType point = 0; point < points; ++point)
   {
     const vtkIdType same = this->Image->FindPoint(output->GetPoint(point));
-    different +=
-      values->GetTuple1(point) == this->Image->GetPointData()->GetScalars()->GetTuple1(same) ? 0
-                                                                                             : 1;
+    const double value = output->GetPointData()->GetScalars()->GetTuple1(point);
+    different += value == whole->GetScalars()->GetTuple1(same) ? 0 : 1;
   }
+  EXPECT_GE(SumOverRanks(static_cast<std::uint64_t>(points)),
+    static_cast<std::uint64_t>(this->Image->GetNumberOfPoints()));
   EXPECT_EQ(different, 0);
 }
 
