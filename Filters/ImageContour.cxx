@@ -147,7 +147,8 @@ IslandGrids ImageContour::Query::MakeIslandGrids(const Communicator& ranks) cons
   for (const ImagePiece& piece : this->Pieces.Pieces)
   {
     const VertexBox& box = piece.Samples.Components.front().Box;
-    for (std::size_t axis = 0; axis < 3 && !areAlone; ++axis)
+    const bool hasFaces = !areAlone && box.GetNumberOfVertices() > 0;
+    for (std::size_t axis = 0; axis < 3 && hasFaces; ++axis)
     {
       islands.Shared[piece.Grid].Add(axis, box.Low[axis]);
       islands.Shared[piece.Grid].Add(axis, box.High[axis] - 1);

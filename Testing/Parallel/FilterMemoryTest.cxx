@@ -272,16 +272,17 @@ TEST_P(FilterMemory, LackOnOneRankIsOneErrorOnAll)
   const std::uint64_t whole = this->GetSize();
   EXPECT_GT(whole, 100U) << testing::PrintToString(this->Errors.Messages);
   const int last = GetNumberOfRanks() - 1;
+  const long least = GetNumberOfRanks() > 3 ? 0 : 5; // of many, the last one may have no blocks
   for (const int odd : LongTests ? std::vector<int>{ 0, last } : std::vector<int>{ last })
   {
     const int before = this->Failures;
     // Where ranks share their work as they come, one may have nothing to do.
     long all = 0;
-    for (int tries = 0; (this->Failures == before || all <= 5) && tries < 20; ++tries)
+    for (int tries = 0; (this->Failures == before || all <= least) && tries < 20; ++tries)
     {
       all = std::max(all, this->StarveOften(odd, whole));
     }
-    EXPECT_GT(all, 5) << "the test watches nothing";
+    EXPECT_GT(all, least) << "the test watches nothing";
     EXPECT_GT(this->Failures, before) << "the test starves nobody";
   }
   this->Update();
