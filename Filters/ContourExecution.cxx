@@ -292,11 +292,11 @@ Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const Surfa
     task.Request.Attributes.push_back(array.Layout);
   }
   task.Finished = input.GetHandle().GetFinished();
-  const bool isOfSample = input.GetHandle().IsSampleOfAll();
+  const std::string& sampled = input.GetHandle().GetSampled();
   std::string warning;
   const Status status = RunWithReplicas(
     ranks, [&] { return task.Volume.get(); }, warning,
-    [&] { return this->ExtractOnce(task, isOfSample, outcome); });
+    [&] { return this->ExtractOnce(task, sampled, outcome); });
   ReportWarning(&this->Contour, ranks, status, warning);
   return this->ChooseIslands(
     ranks, status,
@@ -375,13 +375,14 @@ void ContourExecution::WarnOfLackOfMemory(const ExtractionTask& task, int level)
   }
 }
 
-Status ContourExecution::ExtractOnce(ExtractionTask task, bool isOfSample, ContourOutcome& outcome)
+Status ContourExecution::ExtractOnce(
+  ExtractionTask task, const std::string& sampled, ContourOutcome& outcome)
 {
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
-  const auto finest = this->ChoosePassLevel(task, isOfSample);
+  const auto finest = this->ChoosePassLevel(task, sampled);
   ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
-  outcome.MayStay = this->LastPass.MayStay;
+  outcome.MayStay = !this->LastPass.Sampled.empty();
   outcome.Stays = this->LastPass.Stays;
   task.Finished = this->LastPass.Finished;
   task.FinishedSlices = this->LastPass.FinishedSlices;

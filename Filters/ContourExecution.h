@@ -104,9 +104,8 @@ private:
     Clock::time_point GrowthBegin;            ///< when extracting it began
     Clock::time_point GrowthDue;              ///< before which the next one does not begin
     bool HasGrown = false;                    ///< whether GrowthDue is to be found
-    bool MayStay =
-      false;            ///< whether its surface may be shown until the indexed file has a finer one
-    bool Stays = false; ///< whether the surface of the pass before is shown
+    std::string Sampled; ///< the volume until whose finer surface this one may stay; or empty
+    bool Stays = false;  ///< whether the surface of the pass before is shown
   };
 
   /// The same of images in memory.
@@ -145,13 +144,13 @@ private:
   std::uint64_t ComputeFingerprint(const SurfaceQuery& query, const ContourBlocks* blocks);
   Status ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& query,
     vtkInformation* outInfo, ContourOutcome& outcome);
-  /// `isOfSample`: whether the volume is a sample that reaches through all of its file.
-  Status ExtractOnce(ExtractionTask task, bool isOfSample, ContourOutcome& outcome);
+  /// `sampled`: as vtkBlockedVolumeHandle has it.
+  Status ExtractOnce(ExtractionTask task, const std::string& sampled, ContourOutcome& outcome);
   /// The bytes of memory that this rank can still have; 0 if that is not known.
   std::uint64_t FindFreeMemory();
   void WarnOfLackOfMemory(const ExtractionTask& task, int level);
   /// The finest level that this execution may extract. Collective.
-  Result<int> ChoosePassLevel(const ExtractionTask& task, bool isOfSample);
+  Result<int> ChoosePassLevel(const ExtractionTask& task, const std::string& sampled);
   /// Has the surface of a sample stay until there is a finer one, if this pass, whose level is the first
   /// one, is of the file that it is a sample of. Collective.
   Status KeepSurface(const ExtractionTask& task, const Pass& before);

@@ -40,7 +40,8 @@ constexpr std::uint64_t DirectVertices = 1 << 23;
 } // namespace
 
 //------------------------------------------------------------------------------
-Result<int> ContourExecution::ChoosePassLevel(const ExtractionTask& task, bool isOfSample)
+Result<int> ContourExecution::ChoosePassLevel(
+  const ExtractionTask& task, const std::string& sampled)
 {
   const std::shared_ptr<BlockedVolume>& volume = task.Volume;
   const SurfaceQuery& query = task.Query;
@@ -80,7 +81,7 @@ Result<int> ContourExecution::ChoosePassLevel(const ExtractionTask& task, bool i
   {
     pass.Finished = task.Finished;
     // The triangles of a region are not known before it is extracted.
-    pass.MayStay = isOfSample && query.Selection.Region.GetHalfSpaces().empty();
+    pass.Sampled = query.Selection.Region.GetHalfSpaces().empty() ? sampled : "";
     ISOSURFACE_RETURN_IF_ERROR(this->KeepSurface(task, before));
   }
   return pass.Level;
@@ -91,7 +92,7 @@ Status ContourExecution::KeepSurface(const ExtractionTask& task, const Pass& bef
 {
   Pass& pass = this->LastPass;
   ControllerCommunicator ranks = this->GetRanks();
-  std::vector<std::uint64_t> all = { before.MayStay && before.Shown && !pass.MayStay &&
+  std::vector<std::uint64_t> all = { before.Shown && before.Sampled == task.Volume->GetPath() &&
         before.Time == pass.Time && before.Query.TimeStep == task.Query.TimeStep
       ? 1U
       : 0U };

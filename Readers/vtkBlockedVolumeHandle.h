@@ -71,15 +71,15 @@ public:
   ///@{
   /**
    * If the volume is a sample of a file that is being indexed: how much of it that is, for people, and
-   * whether it reaches through all of the file.
+   * the path of the volume that the file will be, if the sample reaches through all of it.
    */
-  void SetSample(const std::string& text, bool isOfAll)
+  void SetSample(const std::string& text, const std::string& sampled)
   {
     this->SampleText = text;
-    this->SampleOfAll = isOfAll;
+    this->Sampled = sampled;
   }
   const std::string& GetSampleText() const { return this->SampleText; }
-  bool IsSampleOfAll() const { return this->SampleOfAll; }
+  const std::string& GetSampled() const { return this->Sampled; }
   ///@}
 
   ///@{
@@ -138,7 +138,7 @@ private:
   bool Untried = true;
   std::vector<std::size_t> Arrays;
   std::string SampleText;
-  bool SampleOfAll = false;
+  std::string Sampled;
   std::shared_ptr<isosurface::FinishedLayers> Finished;
   std::set<const vtkObject*> Takers;
   bool IsAsked = false;

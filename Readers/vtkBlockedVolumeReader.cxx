@@ -253,7 +253,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
   this->Handle->SetVolume(*volume);
   const bool isSample = this->StandIn && !this->StandIn->GetSampleText().empty();
   this->Handle->SetSample(
-    isSample ? this->StandIn->GetSampleText() : "", isSample && this->StandIn->IsSampleOfAll());
+    isSample ? this->StandIn->GetSampleText() : "", isSample ? this->StandIn->GetSampled() : "");
   this->Handle->SetFinished(isSample ? this->StandIn->GetFinished() : nullptr);
   return true;
 }

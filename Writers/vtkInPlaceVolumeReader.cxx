@@ -216,7 +216,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     }
     const isosurface::SourceSample& sample = reader.Growing->GetSample();
     volume = sample.Volume;
-    standIn->SetSample(sample.Text, sample.Share == 1);
+    standIn->SetSample(sample.Text, sample.Share == 1 ? this->Index.Path : "");
     standIn->SetFinished(reader.Growing->GetFinished());
     reader.Indexing[0] = Working;
     reader.IndexText = this->Index.Path + ": is being written";

@@ -44,7 +44,7 @@ public:
   {
     vtkNew<vtkBlockedVolumeHandle> standIn;
     standIn->SetVolume(*BlockedVolume::Open(sample));
-    standIn->SetSample("a sample", true);
+    standIn->SetSample("a sample", "");
     standIn->SetFinished(std::move(finished));
     this->SetStandIn(standIn);
   }
