@@ -353,6 +353,9 @@ bool vtkInPlaceVolumeReader::IsPending()
                                         : ": Apply indexes the file");
   if (isCurrent)
   {
+    this->Growing.reset(); // of another file
+    this->Indexing[0] = Nothing;
+    this->SetStandIn(nullptr);
     this->SetFileName(steps.Index.Path.c_str());
     this->CheckTime = this->vtkAlgorithm::GetMTime();
   }

@@ -260,6 +260,35 @@ TEST_F(FirstContact, TheSurfaceGetsNoCoarserWhenTheIndexIsTaken)
   EXPECT_LT(update(), coarse) << "of another isovalue it does not stay";
 }
 
+TEST_F(FirstContact, TheSurfaceOfASampleDoesNotStayForAnotherFile)
+{
+  const std::string other = this->Folder.GetPath("other.mhd");
+  const auto image = MakeClosedVolume({ 0, 120, 0, 90, 0, 80 }, VTK_UNSIGNED_CHAR);
+  OnFirstRank([&] { WriteSource(image, other); });
+  vtkNew<vtkInPlaceVolumeReader> indexing;
+  indexing->SetSourceName(other.c_str());
+  indexing->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  const auto show = [&]
+  {
+    this->Contour->AllowCoarse(1);
+    this->Update();
+    this->Contour->AllowCoarse(0);
+    return this->CountTriangles();
+  };
+  this->Contour->Modified();
+  show();
+  while (!this->Contour->GetFinal())
+  {
+    this->Contour->Refine();
+    show();
+  }
+  const std::uint64_t sampled = this->CountTriangles();
+  this->Reader->SetSourceName(other.c_str());
+  EXPECT_LT(show(), sampled) << "a coarse surface of the other file";
+  this->Contour->Modified();
+  ExpectSurfaceOf(this->Update(), image, Isovalue);
+}
+
 TEST_F(FirstContact, TheOutputOfTheIndexIsReadBeforeItIsTaken)
 {
   const auto update = [&]() -> vtkDataSet*
