@@ -4,7 +4,6 @@
 
 #include "DrawingBudget.h"
 #include "OcclusionCulling.h"
-#include "OpenGLFunctions.h"
 #include "vtkIsosurfaceMapper.h"
 
 #include "vtkActor.h"
@@ -37,7 +36,6 @@
 #  include "vtkCompositePolyDataMapper2.h"
 #endif
 
-#include "Ground/Base/HugePages.h"
 #include "Surface/Drawing/DrawingBuffers.h"
 
 #include <algorithm>
@@ -55,6 +53,9 @@ namespace
 {
 
 using VertexBuffer = vtkOpenGLVertexBufferObject;
+
+// Buffers are written in portions of so many points or triangles: 8 to 12 MB.
+constexpr std::size_t TuplesOfPortion = std::size_t{ 1 } << 20;
 
 // What maps coordinates to a unit cube around the origin.
 struct ShiftAndScale
@@ -130,36 +131,6 @@ private:
   T& Variable;
   T Before;
 };
-
-// Gives a buffer a size and calls write(memory), which fills it: threads write where the graphics
-// card reads, or into memory that is copied there.
-template <typename T, typename WriteT>
-void FillBuffer(vtkOpenGLBufferObject* buffer, vtkOpenGLBufferObject::ObjectType type,
-  std::size_t count, WriteT&& write)
-{
-  const GLenum target =
-    type == vtkOpenGLBufferObject::ArrayBuffer ? GL_ARRAY_BUFFER : GL_ELEMENT_ARRAY_BUFFER;
-  const auto bytes = static_cast<GLsizeiptr>(count * sizeof(T));
-  void* mapped = nullptr;
-  if (buffer->GenerateBuffer(type) && buffer->Bind())
-  {
-    glBufferData(target, bytes, nullptr, GL_STATIC_DRAW);
-    mapped = glMapBufferRange(target, 0, bytes, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-  }
-  bool written = false;
-  if (mapped)
-  {
-    isosurface::AdviseHugePages(mapped, count * sizeof(T));
-    write(static_cast<T*>(mapped));
-    written = glUnmapBuffer(target) == GL_TRUE;
-  }
-  if (!written)
-  {
-    std::vector<T> values(count);
-    write(values.data());
-    buffer->Upload(values, type);
-  }
-}
 
 // Access to the protected number of tuples of a vertex buffer. There are no objects of this class.
 class VertexBufferSize : public VertexBuffer
@@ -273,6 +244,12 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
 {
   vtkPolyData* surface = GetSurface(block);
   this->VBOs->ClearAllVBOs();
+  for (vtkOpenGLHelper& primitive : this->Primitives)
+  {
+    primitive.IBO->ReleaseGraphicsResources();
+    primitive.IBO->IndexCount = 0;
+  }
+  this->Buffers.Clear();
   this->EdgeValues.clear();
   this->HaveCellScalars = false;
   this->HaveCellNormals = false;
@@ -283,11 +260,9 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   block.CellCellMap->BuildPrimitiveOffsetsIfNeeded(cells, VTK_SURFACE, surface->GetPoints());
 
   this->MapColors(surface);
-  this->UploadVertices(renderer, actor, surface);
-  for (vtkOpenGLHelper& primitive : this->Primitives)
-  {
-    primitive.IBO->IndexCount = 0;
-  }
+  this->MakeVertices(renderer, actor, surface);
+  vtkOpenGLIndexBufferObject* indices = this->Primitives[PrimitiveTris].IBO;
+  this->MakeIndices(indices, surface);
   this->HasOwnBuffers = true;
   this->Culling->Take(this->Triangles->GetMeasure());
 
@@ -295,8 +270,7 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   block.NextVertex = static_cast<unsigned int>(this->Triangles->GetSurface().NumberOfPoints);
   std::fill(block.StartIndex, block.StartIndex + PrimitiveEnd, 0U);
   std::fill(block.NextIndex, block.NextIndex + PrimitiveEnd, 0U);
-  this->HasNewVertices = true;
-  this->HasIndices = false;
+  block.NextIndex[PrimitiveTris] = static_cast<unsigned int>(indices->IndexCount);
   this->VBOBuildTime.Modified();
 }
 
@@ -414,9 +388,9 @@ bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
 }
 
 //------------------------------------------------------------------------------
-void vtkIsosurfaceMapperHelper::WriteColorCoordinates(float* coordinates)
+void vtkIsosurfaceMapperHelper::WriteColorCoordinates(
+  vtkDataArray* scalars, std::size_t first, std::size_t last, float* coordinates) const
 {
-  vtkDataArray* scalars = this->ColorValues;
   const int components = scalars->GetNumberOfComponents();
   const bool magnitude =
     components > 1 && this->LookupTable->GetVectorMode() == vtkScalarsToColors::MAGNITUDE;
@@ -425,12 +399,12 @@ void vtkIsosurfaceMapperHelper::WriteColorCoordinates(float* coordinates)
   range.Minimum = this->LookupTable->GetRange()[0];
   range.Maximum = this->LookupTable->GetRange()[1];
   range.Colors = static_cast<int>(this->LookupTable->GetNumberOfAvailableColors());
-  const auto tuples = static_cast<std::size_t>(scalars->GetNumberOfTuples());
+  const std::size_t place = first * static_cast<std::size_t>(components);
   switch (scalars->GetDataType())
   {
-    vtkTemplateMacro(
-      isosurface::FindTextureCoordinates(static_cast<const VTK_TT*>(scalars->GetVoidPointer(0)),
-        tuples, components, component, range, coordinates, this->Threads));
+    vtkTemplateMacro(isosurface::FindTextureCoordinates(
+      static_cast<const VTK_TT*>(scalars->GetVoidPointer(0)) + place, last - first, components,
+      component, range, coordinates, this->Threads));
     default:
       break; // bits are not taken
   }
@@ -438,17 +412,27 @@ void vtkIsosurfaceMapperHelper::WriteColorCoordinates(float* coordinates)
 
 //------------------------------------------------------------------------------
 template <typename WriteT>
-void vtkIsosurfaceMapperHelper::FillVertices(
-  const char* attribute, int components, std::size_t tuples, WriteT&& write)
+void vtkIsosurfaceMapperHelper::MakeVertexBuffer(
+  const char* attribute, std::size_t components, std::size_t tuples, WriteT write)
 {
+  const std::size_t bytes = components * sizeof(float);
+  std::vector<std::size_t> ends;
+  for (std::size_t first = 0; first < tuples; first += TuplesOfPortion)
+  {
+    ends.push_back(std::min(tuples, first + TuplesOfPortion) * bytes);
+  }
   VertexBuffer* buffer = this->VBOs->GetVBO(attribute);
-  FillBuffer<float>(buffer, vtkOpenGLBufferObject::ArrayBuffer,
-    static_cast<std::size_t>(components) * tuples, write);
+  this->Buffers.Add(buffer, vtkOpenGLBufferObject::ArrayBuffer, std::move(ends),
+    [write = std::move(write), tuples](std::size_t portion, void* values)
+    {
+      const std::size_t first = portion * TuplesOfPortion;
+      write(first, std::min(tuples, first + TuplesOfPortion), static_cast<float*>(values));
+    });
   VertexBufferSize::Set(buffer, tuples);
 }
 
 //------------------------------------------------------------------------------
-void vtkIsosurfaceMapperHelper::UploadVertices(
+void vtkIsosurfaceMapperHelper::MakeVertices(
   vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface)
 {
   const TriangleSurface& triangles = this->Triangles->GetSurface();
@@ -481,22 +465,30 @@ void vtkIsosurfaceMapperHelper::UploadVertices(
   }
   this->VBOs->BuildAllVBOs(renderer);
 
-  this->FillVertices("vertexMC", 3, points,
-    [&](float* written)
+  // What is written later keeps what it reads.
+  const vtkSmartPointer<vtkPolyData> kept = surface;
+  this->MakeVertexBuffer("vertexMC", 3, points,
+    [this, kept, triangles, map](std::size_t first, std::size_t last, float* written)
     {
-      isosurface::ShiftAndScale(
-        triangles.Points, points, map.Shift.data(), map.Scale.data(), written, this->Threads);
+      isosurface::ShiftAndScale(triangles.Points + 3 * first, last - first, map.Shift.data(),
+        map.Scale.data(), written, this->Threads);
     });
   if (copiesNormals)
   {
-    this->FillVertices("normalMC", 3, points,
-      [&](float* written)
-      { isosurface::CopyValues(floatNormals->GetPointer(0), 3 * points, written, this->Threads); });
+    const vtkSmartPointer<vtkFloatArray> copied = floatNormals;
+    this->MakeVertexBuffer("normalMC", 3, points,
+      [this, copied](std::size_t first, std::size_t last, float* written)
+      {
+        isosurface::CopyValues(
+          copied->GetPointer(0) + 3 * first, 3 * (last - first), written, this->Threads);
+      });
   }
   if (writesCoordinates)
   {
-    this->FillVertices(ColorCoordinatesOfShader, 2, points,
-      [&](float* written) { this->WriteColorCoordinates(written); });
+    const vtkSmartPointer<vtkDataArray> scalars = this->ColorValues;
+    this->MakeVertexBuffer(ColorCoordinatesOfShader, 2, points,
+      [this, scalars](std::size_t first, std::size_t last, float* written)
+      { this->WriteColorCoordinates(scalars, first, last, written); });
   }
 
   // Shaders and matrices learn afterwards that what was uploaded is shifted and scaled.
@@ -514,52 +506,47 @@ void vtkIsosurfaceMapperHelper::UploadVertices(
 }
 
 //------------------------------------------------------------------------------
-void vtkIsosurfaceMapperHelper::UploadIndices(vtkOpenGLIndexBufferObject* buffer)
+void vtkIsosurfaceMapperHelper::MakeIndices(
+  vtkOpenGLIndexBufferObject* buffer, vtkPolyData* surface)
 {
-  const isosurface::TriangleMeasure& measure = this->Triangles->GetMeasure();
-  const std::size_t count = 3 * measure.CountProperTriangles();
+  constexpr std::size_t runsOfPortion =
+    TuplesOfPortion / isosurface::TriangleMeasure::TrianglesOfRun;
+  const std::vector<std::uint32_t>& counts = this->Triangles->GetMeasure().ProperTriangles;
+  std::vector<std::size_t> ends;
+  std::size_t count = 0;
+  for (std::size_t run = 0; run < counts.size(); ++run)
+  {
+    count += 3 * counts[run];
+    if ((run + 1) % runsOfPortion == 0 || run + 1 == counts.size())
+    {
+      ends.push_back(count * sizeof(std::uint32_t));
+    }
+  }
   buffer->IndexCount = count;
   if (count == 0)
   {
     return;
   }
-  FillBuffer<unsigned int>(buffer, vtkOpenGLBufferObject::ElementArrayBuffer, count,
-    [&](unsigned int* indices)
+  const vtkSmartPointer<vtkPolyData> kept = surface;
+  this->Buffers.Add(buffer, vtkOpenGLBufferObject::ElementArrayBuffer, std::move(ends),
+    [this, kept, triangles = this->Triangles->GetSurface(), counts](
+      std::size_t portion, void* indices)
     {
-      isosurface::CopyProperTriangles(
-        this->Triangles->GetSurface(), measure, indices, this->Threads);
+      const std::size_t first = portion * runsOfPortion;
+      isosurface::CopyProperTriangles(triangles, counts, first,
+        std::min(counts.size(), first + runsOfPortion), static_cast<std::uint32_t*>(indices),
+        this->Threads);
     });
-}
-
-//------------------------------------------------------------------------------
-bool vtkIsosurfaceMapperHelper::MakesBuffers()
-{
-  DrawingBudget* budget = DrawingBudget::GetCurrent();
-  bool takesTime = std::exchange(this->HasNewVertices, false);
-  if (!this->HasIndices && !(budget && takesTime))
-  {
-    vtkOpenGLIndexBufferObject* indices = this->Primitives[PrimitiveTris].IBO;
-    this->UploadIndices(indices);
-    this->GetBlockAlone()->NextIndex[PrimitiveTris] =
-      static_cast<unsigned int>(indices->IndexCount);
-    this->HasIndices = true;
-    takesTime = true;
-  }
-  if (budget && takesTime)
-  {
-    budget->SetUnfinished();
-  }
-  return budget && takesTime;
 }
 
 //------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
 {
-  // Fewer triangles are drawn before the depths are read.
-  constexpr std::size_t fewestIndices = 3 * 500000;
+  // Fewer triangles are drawn before the depths are read, or within the time of an image.
+  const std::size_t fewest = DrawingBudget::GetCurrent() ? 150000 : 500000;
   const bool isSelected = this->GetSelection() && this->GetSelection()->GetNumberOfNodes() > 0;
   if (!this->HasOwnBuffers || !this->GetBlockAlone() || isSelected ||
-    this->Primitives[PrimitiveTris].IBO->IndexCount < fewestIndices)
+    this->Primitives[PrimitiveTris].IBO->IndexCount < 3 * fewest)
   {
     return false;
   }
@@ -600,9 +587,15 @@ vtkMTimeType vtkIsosurfaceMapperHelper::FindChange(vtkRenderer* renderer, vtkAct
 //------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
-  if (this->HasOwnBuffers && this->MakesBuffers())
+  if (this->HasOwnBuffers && !this->Buffers.IsWritten())
   {
-    return;
+    DrawingBudget* budget = DrawingBudget::GetCurrent();
+    this->Buffers.Write(budget);
+    if (budget)
+    {
+      budget->SetUnfinished(); // drawing takes the time of the next images
+      return;
+    }
   }
   if (!this->CanCull(renderer, actor))
   {
@@ -629,6 +622,7 @@ void vtkIsosurfaceMapperHelper::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->Culling->ReleaseGraphicsResources();
   this->Superclass::ReleaseGraphicsResources(window);
+  this->Buffers.Clear();
 }
 
 //------------------------------------------------------------------------------

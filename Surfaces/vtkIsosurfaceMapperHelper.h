@@ -9,6 +9,7 @@
 #define vtkIsosurfaceMapperHelper_h
 
 #include "MeasuredTriangles.h" // For what is shared
+#include "SurfaceBuffers.h"    // For a member
 #include "vtkVersionMacros.h"  // For the superclass
 
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
@@ -77,16 +78,16 @@ private:
   bool MapColorsOfRuns(vtkPolyData* surface);
   /// The point array that gives the colors; null if it is not one of numbers, chosen by its name.
   vtkDataArray* FindNamedScalars(vtkPolyData* surface) const;
-  /// The coordinates in the texture of ColorValues, two for each.
-  void WriteColorCoordinates(float* coordinates);
-  /// Makes the buffer of an attribute that the group knows as long as the surface, and fills it.
+  /// The coordinates of these scalars in the texture, two for each.
+  void WriteColorCoordinates(
+    vtkDataArray* scalars, std::size_t first, std::size_t last, float* coordinates) const;
+  /// Makes the buffer of an attribute that the group knows as long as the surface. The values are
+  /// unwritten: write(first, last, values) writes those of points [first, last).
   template <typename WriteT>
-  void FillVertices(const char* attribute, int components, std::size_t tuples, WriteT&& write);
-  void UploadVertices(vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface);
-  void UploadIndices(vtkOpenGLIndexBufferObject* buffer);
-  /// Makes indices that are missing. Within a budget vertices take the time of one image, and indices that
-  /// of the next: whether this is one of them, so that nothing else is drawn.
-  bool MakesBuffers();
+  void MakeVertexBuffer(
+    const char* attribute, std::size_t components, std::size_t tuples, WriteT write);
+  void MakeVertices(vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface);
+  void MakeIndices(vtkOpenGLIndexBufferObject* buffer, vtkPolyData* surface);
   /// Whether hidden triangles may be left out.
   bool CanCull(vtkRenderer* renderer, vtkActor* actor);
   /// When the surface, its look, or the light changed last.
@@ -97,9 +98,8 @@ private:
   /// only while buffers are made.
   vtkDataArray* ColorValues = nullptr;
   std::shared_ptr<isosurface::OcclusionCulling> Culling;
-  bool HasOwnBuffers = false;  ///< whether the buffers are not those of the superclass
-  bool HasNewVertices = false; ///< of this image
-  bool HasIndices = false;
+  bool HasOwnBuffers = false; ///< whether the buffers are not those of the superclass
+  isosurface::SurfaceBuffers Buffers;
   int Threads = 1;
 };
 

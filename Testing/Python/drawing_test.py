@@ -280,6 +280,27 @@ class Drawing(unittest.TestCase):
             self.change(change)
             self.check(1)
 
+    def test_buffers_of_a_large_surface_are_written_in_portions(self):
+        sphere = vtkSphereSource()
+        sphere.SetThetaResolution(1500)
+        sphere.SetPhiResolution(1000)
+        sphere.SetRadius(SIDE / 2)
+        sphere.Update()  # 3 million triangles, 1.5 million points
+        for window in (self.all, self.some):
+            window.mapper.SetInputDataObject(sphere.GetOutput())
+        # Memory for places, normals and numbers of points, and their two, two and three portions.
+        for _ in range(10):
+            self.assertFalse(self.all.draw_portion(0))
+            self.assertFalse(self.some.draw_portion(0))
+        self.assertTrue(self.all.draw_portion(0))
+        self.some.draw_in_portions()
+        self.check(1)
+        self.some.mapper.SetInputDataObject(SURFACE)
+        self.some.draw_portion(0)
+        self.some.mapper.SetInputDataObject(sphere.GetOutput())
+        self.some.draw_portion(0)
+        self.check(1)
+
     def test_two_surfaces_in_portions(self):
         other = make_surface(-0.3)
 

@@ -68,27 +68,28 @@ double GetValue(const T* tuple, int components, int component)
 
 } // namespace
 
-void CopyProperTriangles(const TriangleSurface& surface, const TriangleMeasure& measure,
-  std::uint32_t* indices, int threads)
+void CopyProperTriangles(const TriangleSurface& surface, const std::vector<std::uint32_t>& counts,
+  std::size_t firstRun, std::size_t lastRun, std::uint32_t* indices, int threads)
 {
   constexpr std::size_t length = TriangleMeasure::TrianglesOfRun;
-  std::vector<std::size_t> starts(measure.ProperTriangles.size());
+  std::vector<std::size_t> starts;
   std::size_t start = 0;
-  for (std::size_t run = 0; run < starts.size(); ++run)
+  for (std::size_t run = firstRun; run < lastRun; ++run)
   {
-    starts[run] = start;
-    start += measure.ProperTriangles[run];
+    starts.push_back(start);
+    start += counts[run];
   }
   WithConnectivity(surface.Connectivity,
     [&](const auto* connectivity)
     {
       ParallelFor(starts.size(), threads,
-        [&](std::size_t run, int)
+        [&](std::size_t n, int)
         {
+          const std::size_t run = firstRun + n;
           const std::size_t first = run * length;
           const std::size_t last = std::min(surface.NumberOfTriangles, first + length);
-          CopyRun(surface, connectivity, first, last, measure.ProperTriangles[run] == last - first,
-            indices + 3 * starts[run]);
+          CopyRun(surface, connectivity, first, last, counts[run] == last - first,
+            indices + 3 * starts[n]);
         });
     });
 }

@@ -14,11 +14,12 @@ namespace isosurface
 {
 
 /**
- * Writes the point numbers of all proper triangles, three each, in their order. `indices` has room
- * for 3 * measure.CountProperTriangles(); the measure is that of the surface, and valid.
+ * Writes the point numbers of the proper triangles of runs [firstRun, lastRun), three each, in their
+ * order. `indices` has room for them; `counts` is TriangleMeasure::ProperTriangles of the surface,
+ * whose measure is valid.
  */
-void CopyProperTriangles(const TriangleSurface& surface, const TriangleMeasure& measure,
-  std::uint32_t* indices, int threads);
+void CopyProperTriangles(const TriangleSurface& surface, const std::vector<std::uint32_t>& counts,
+  std::size_t firstRun, std::size_t lastRun, std::uint32_t* indices, int threads);
 
 /**
  * Writes (coordinate - shift) * scale, computed in double, for each coordinate of `count` points.
