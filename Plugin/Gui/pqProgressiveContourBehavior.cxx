@@ -437,7 +437,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       keep = QGuiApplication::mouseButtons() != Qt::NoButton || this->IsHandMoving(watched, report);
       if (!keep)
       {
-        watched.IsLarge = report.Triangles > LargeSurface;
+        watched.IsLarge = report.Triangles > SurfaceOfPortions;
         if (watched.HasGrown)
         {
           this->BoundsBefore[contour->GetGlobalID()] = pqIndexStatus::FindBounds(watched.Source);

@@ -57,6 +57,8 @@ public:
   static constexpr int SliceMilliseconds = 60;
   /// A surface of so many triangles may take longer to draw than a hand should wait.
   static constexpr double LargeSurface = 1e6;
+  /// A surface of so many triangles is drawn in portions; the mapper draws fewer at once.
+  static constexpr double SurfaceOfPortions = 1.5e5;
   /// A hand that has not moved for this long rests.
   static constexpr int RestMilliseconds = 150;
   /// The longest that a surface waits for a hand to rest.
@@ -95,7 +97,7 @@ private:
     bool Asked = false;       ///< whether the server has been told to prepare
     bool IsGrowing = false;   ///< whether it waits for more of a file to be indexed
     bool HasGrown = false;    ///< whether it did, since it was shown
-    bool IsLarge = false;     ///< whether the next surface takes long to draw
+    bool IsLarge = false;     ///< whether the next surface is drawn in portions
     QElapsedTimer Ready = {}; ///< since the next surface waits to be shown
   };
 

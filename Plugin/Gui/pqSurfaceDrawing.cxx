@@ -206,8 +206,13 @@ void pqSurfaceDrawing::Advance()
   }
   if (view->getViewProxy()->GetNeedsUpdate())
   {
+    const bool isHandMoving = this->IsHandMoving();
     view->getViewProxy()->Update(); // a portion by itself
-    this->Timer->start(0);
+    if (isHandMoving)
+    {
+      this->SinceHand.start(); // what it did meanwhile is not known yet
+    }
+    this->Timer->start(isHandMoving ? PauseMilliseconds : 0);
     return;
   }
   ++this->Portions;
