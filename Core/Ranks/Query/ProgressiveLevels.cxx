@@ -53,7 +53,9 @@ Result<bool> IsDirectSurface(
 {
   const auto triangles = EstimateTriangles(volume, query, finest);
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(triangles.GetStatus()));
-  std::vector<std::uint64_t> direct = { *triangles <= DirectSurfaceTriangles ? 1U : 0U };
+  const double most =
+    volume.GetHeader().IsInPlace() ? DirectSurfaceTrianglesInPlace : DirectSurfaceTriangles;
+  std::vector<std::uint64_t> direct = { *triangles <= most ? 1U : 0U };
   ranks.ReduceMinimum(direct);
   return direct.front() != 0;
 }

@@ -32,10 +32,11 @@ Result<int> ChooseFirstLevel(
   BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
 
 /// Up to so many triangles, a surface is there soon enough for no other one to be shown between the
-/// first one and it.
-constexpr double DirectSurfaceTriangles = 10'000'000;
+/// first one and it. The samples of an index in place may have to be decompressed, which takes longer.
+constexpr double DirectSurfaceTriangles = 20'000'000;
+constexpr double DirectSurfaceTrianglesInPlace = 10'000'000;
 
-/// Whether the surface at `finest` has at most DirectSurfaceTriangles, by EstimateTriangles.
+/// Whether the surface at `finest` has at most as many of these, by EstimateTriangles.
 /// Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks.
 Result<bool> IsDirectSurface(
   BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
