@@ -4,7 +4,9 @@
 #include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
+#include <limits>
 #include <type_traits>
+#include <vector>
 
 namespace isosurface
 {
@@ -15,41 +17,46 @@ namespace
 constexpr std::size_t TuplesAtOnce = 16;
 constexpr std::size_t TuplesOfTask = std::size_t{ 1 } << 16;
 
+/// What is known of the values that a lane has got so far.
 template <typename T>
-TupleRanges<T> FindRanges(const T* values, std::size_t tuples, std::size_t components)
+struct Lanes
 {
-  TupleRanges<T> ranges;
-  const std::size_t lanes = TuplesAtOnce * components;
-  std::vector<ValueSpan<T>> spans(lanes);
-  const std::size_t count = tuples * components;
-  std::size_t at = 0;
-  for (; at + lanes <= count; at += lanes)
+  std::vector<T> Minima;
+  std::vector<T> Maxima;
+  std::vector<T> Zeros; ///< sums of zeros, unless a value is not finite
+
+  explicit Lanes(std::size_t count)
+    : Minima(count, std::numeric_limits<T>::max())
+    , Maxima(count, std::numeric_limits<T>::lowest())
+    , Zeros(count, T{ 0 })
   {
-    for (std::size_t lane = 0; lane < lanes; ++lane)
+  }
+
+  /// Adds a value to each of the first `count` lanes.
+  void Add(const T* values, std::size_t count)
+  {
+    T* const minima = this->Minima.data();
+    T* const maxima = this->Maxima.data();
+    T* const zeros = this->Zeros.data();
+    for (std::size_t lane = 0; lane < count; ++lane)
     {
-      spans[lane].Add(values[at + lane]);
+      const T value = values[lane];
+      minima[lane] = value < minima[lane] ? value : minima[lane];
+      maxima[lane] = value > maxima[lane] ? value : maxima[lane];
+      if constexpr (std::is_floating_point_v<T>)
+      {
+        zeros[lane] += value * 0;
+      }
     }
   }
-  for (std::size_t lane = 0; at < count; ++at, ++lane)
-  {
-    spans[lane].Add(values[at]);
-  }
-  ranges.Components.resize(components);
-  for (std::size_t lane = 0; lane < lanes; ++lane)
-  {
-    ranges.Components[lane % components].Add(spans[lane]);
-  }
-  if constexpr (std::is_floating_point_v<T>)
-  {
-    // A sum of zeros, unless a value is not finite.
-    T zeros[TuplesAtOnce] = {};
-    for (at = 0; at < count; ++at)
-    {
-      zeros[at % TuplesAtOnce] += values[at] * 0;
-    }
-    ranges.AreFinite = std::all_of(zeros, zeros + TuplesAtOnce, [](T zero) { return zero == 0; });
-  }
-  for (std::size_t tuple = 0; components > 1 && tuple < tuples; ++tuple)
+};
+
+/// The squared norms of up to TuplesAtOnce tuples.
+template <typename T>
+void ComputeSquaredNorms(
+  const T* values, std::size_t tuples, std::size_t components, double* squaredNorms)
+{
+  for (std::size_t tuple = 0; tuple < tuples; ++tuple)
   {
     double sum = 0;
     for (std::size_t component = 0; component < components; ++component)
@@ -57,7 +64,45 @@ TupleRanges<T> FindRanges(const T* values, std::size_t tuples, std::size_t compo
       const auto value = static_cast<double>(values[tuple * components + component]);
       sum += value * value;
     }
-    ranges.SquaredNorm.Add(sum);
+    squaredNorms[tuple] = sum;
+  }
+}
+
+template <typename T>
+TupleRanges<T> FindRanges(const T* values, std::size_t tuples, std::size_t components)
+{
+  Lanes<T> lanes(TuplesAtOnce * components);
+  Lanes<double> norms(TuplesAtOnce);
+  double squaredNorms[TuplesAtOnce];
+  for (std::size_t first = 0; first < tuples; first += TuplesAtOnce)
+  {
+    const std::size_t count = std::min(TuplesAtOnce, tuples - first);
+    const T* some = values + first * components;
+    lanes.Add(some, count * components);
+    if (components == 3 && count == TuplesAtOnce)
+    {
+      ComputeSquaredNorms(some, TuplesAtOnce, 3, squaredNorms); // numbers that a compiler knows
+    }
+    else if (components > 1)
+    {
+      ComputeSquaredNorms(some, count, components, squaredNorms);
+    }
+    if (components > 1)
+    {
+      norms.Add(squaredNorms, count);
+    }
+  }
+
+  TupleRanges<T> ranges;
+  ranges.Components.resize(components);
+  for (std::size_t lane = 0; lane < lanes.Minima.size(); ++lane)
+  {
+    ranges.Components[lane % components].Add({ lanes.Minima[lane], lanes.Maxima[lane] });
+    ranges.AreFinite = ranges.AreFinite && lanes.Zeros[lane] == 0;
+  }
+  for (std::size_t lane = 0; lane < TuplesAtOnce; ++lane)
+  {
+    ranges.SquaredNorm.Add({ norms.Minima[lane], norms.Maxima[lane] });
   }
   return ranges;
 }
