@@ -80,6 +80,15 @@ bool SignalWatch::Look()
   return !this->Raised;
 }
 
+void SignalWatch::Warn(const std::string& message)
+{
+  const pybind11::gil_scoped_acquire held;
+  if (!this->Raised && PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 2) != 0)
+  {
+    this->Raised.emplace();
+  }
+}
+
 void SignalWatch::Rethrow() const
 {
   if (this->Raised)

@@ -33,13 +33,16 @@ T TakeValue(Result<T> result)
   return std::move(*result);
 }
 
-/// Stops work when a signal has come whose handler raises an exception, as Ctrl+C does.
+/// Stops work when a signal has come whose handler raises an exception, as Ctrl+C does, or when a warning
+/// raises one.
 class SignalWatch
 {
 public:
   /// For work of the calling thread, which does not hold the GIL. It takes it ten times a second.
   Progress GetProgress();
-  /// Throws what a handler has raised. The GIL is held.
+  /// A UserWarning of that work. Where warnings are errors, it stops.
+  void Warn(const std::string& message);
+  /// Throws what a handler or a warning has raised. The GIL is held.
   void Rethrow() const;
 
 private:

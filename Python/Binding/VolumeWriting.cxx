@@ -8,13 +8,30 @@
 namespace isosurface
 {
 
-Status VolumeWriting::Write(
-  const std::vector<ArrayDescription>& arrays, BoxSource& source, const Progress& progress) const
+template <typename OpenT>
+void VolumeWriting::Write(const std::vector<ArrayDescription>& arrays, const OpenT& open,
+  const std::function<void()>& rethrow) const
 {
-  SerialCommunicator alone;
-  return BlockedVolumeWriter(alone)
-    .Write(this->Path, this->Grid, arrays, source, this->Settings, progress)
-    .GetStatus();
+  SignalWatch watch;
+  Status status;
+  {
+    const pybind11::gil_scoped_release released;
+    status = Attempt(this->Path,
+      [&]() -> Status
+      {
+        const auto source = open();
+        ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+        BlockedVolumeSettings settings = this->Settings;
+        settings.Warn = [&watch](const std::string& warning) { watch.Warn(warning); };
+        SerialCommunicator alone;
+        return BlockedVolumeWriter(alone)
+          .Write(this->Path, this->Grid, arrays, **source, settings, watch.GetProgress())
+          .GetStatus();
+      });
+  }
+  watch.Rethrow();
+  rethrow();
+  ThrowIfError(status);
 }
 
 void VolumeWriting::WriteArrays(const std::vector<std::string>& names,
@@ -26,28 +43,14 @@ void VolumeWriting::WriteArrays(const std::vector<std::string>& names,
     descriptions.push_back({ names[n], arrays[n].Type, arrays[n].Components });
   }
   ArrayLikeSource source(arrays, this->Grid.GetDimensions(), chunk);
-  SignalWatch watch;
-  Status status;
-  {
-    const pybind11::gil_scoped_release released;
-    const Progress progress = watch.GetProgress();
-    status = Attempt(this->Path, [&] { return this->Write(descriptions, source, progress); });
-  }
-  source.Rethrow();
-  watch.Rethrow();
-  ThrowIfError(status);
+  this->Write(
+    descriptions, [&] { return Result<ArrayLikeSource*>(&source); }, [&] { source.Rethrow(); });
 }
 
 void VolumeWriting::WriteFile(VolumeFile& file, std::size_t timeStep) const
 {
-  const int threads = this->Settings.Threads;
-  RunWithoutGil(this->Path,
-    [&](const Progress& progress) -> Status
-    {
-      const auto source = file.OpenSource(timeStep, threads);
-      ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-      return this->Write(file.GetArrays(), **source, progress);
-    });
+  this->Write(
+    file.GetArrays(), [&] { return file.OpenSource(timeStep, this->Settings.Threads); }, [] {});
 }
 
 } // namespace isosurface

@@ -7,6 +7,7 @@
 
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,15 +24,18 @@ struct VolumeWriting
   BlockedVolumeSettings Settings;
 
   /// Writes objects of Python. The GIL is held; it is released between their slices. Throws what
-  /// Python raises, and errors.
+  /// Python raises, and errors. Warns of a disk that has no room for it, as WriteFile() does.
   void WriteArrays(const std::vector<std::string>& names, const std::vector<ArrayLike>& arrays,
     const std::optional<Index3>& chunk) const;
   /// Writes a time step of a file. The GIL is held, and released meanwhile.
   void WriteFile(VolumeFile& file, std::size_t timeStep) const;
 
 private:
-  Status Write(
-    const std::vector<ArrayDescription>& arrays, BoxSource& source, const Progress& progress) const;
+  /// Writes what open() gives a pointer to. The GIL is held, and released meanwhile; rethrow() is called
+  /// with it afterwards, and may throw what the source has raised.
+  template <typename OpenT>
+  void Write(const std::vector<ArrayDescription>& arrays, const OpenT& open,
+    const std::function<void()>& rethrow) const;
 };
 
 } // namespace isosurface

@@ -108,6 +108,11 @@ def create(
     OSError
         A file cannot be read or written; the message names it. What a slice of the source raises is raised, too.
 
+    Warns
+    -----
+    UserWarning
+        The disk has not the room that the samples take uncompressed. It is tried nevertheless.
+
     Examples
     --------
     >>> ramp = np.arange(24, dtype=np.uint8).reshape(2, 3, 4)

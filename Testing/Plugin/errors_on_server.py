@@ -81,5 +81,43 @@ class ErrorsOnServer(testing.TestCase):
         )
         self.check_good_surface("after_edge_indices.png")
 
+    def limit_memory(self, more):
+        """Lets the last rank have so many bytes more than it has; any number for None."""
+        source = simple.ProgrammableSource(
+            Script=f"""
+import resource
+from vtkmodules.vtkParallelCore import vtkMultiProcessController
+controller = vtkMultiProcessController.GetGlobalController()
+if controller.GetLocalProcessId() == controller.GetNumberOfProcesses() - 1:
+    with open("/proc/self/statm") as pages:
+        has = int(pages.read().split()[0]) * resource.getpagesize()
+    most = resource.RLIM_INFINITY if {more} is None else has + {more}
+    resource.setrlimit(resource.RLIMIT_AS, (most, resource.RLIM_INFINITY))
+"""
+        )
+        source.UpdatePipeline()
+        simple.Delete(source)
+
+    def test_a_rank_that_lacks_memory_fails_a_query_and_serves_the_next_one(self):
+        image = simple.Wavelet(WholeExtent=[-150, 150, -150, 150, -150, 150], Maximum=1000)
+        surface = testing.contour(image, 990.0)
+        few = testing.count_cells(surface)
+        self.assertGreater(few, 0)
+        self.addCleanup(self.limit_memory, None)
+        self.limit_memory(32 << 20)
+        many = [100.0 * n for n in range(2, 10)]
+        surface.Isosurfaces = many
+        try:
+            surface.UpdatePipeline()
+        except RuntimeError:
+            pass
+        self.assertEqual(testing.count_cells(surface), 0)
+        surface.Isosurfaces = [990.0]
+        self.assertEqual(testing.count_cells(surface), few)
+        self.limit_memory(None)
+        surface.Isosurfaces = many
+        self.assertGreater(testing.count_cells(surface), 10 * few)
+        self.check_good_surface("after_lack_of_memory.png")
+
 
 testing.run()

@@ -6,6 +6,7 @@ import os
 import pickle
 import sys
 import unittest
+import warnings
 
 import numpy
 
@@ -137,6 +138,27 @@ class Writing(VolumeTest):
         self.assertRaisesRegex(LookupError, "no such slice", si.create, Broken(), self.path("v.bvol"))
         self.assertRaisesRegex(ValueError, "shape", si.create, Wrong(), self.path("v.bvol"))
         numpy.testing.assert_array_equal(si.open(self.path("v.bvol"))[...], samples)  # is as it was
+
+    def test_a_disk_without_room_is_told_before_anything_is_read(self):
+        free = os.statvfs(self.path("")).f_bavail * os.statvfs(self.path("")).f_frsize
+
+        class Huge:
+            shape = (free // 2**20 // 8 + 1, 1024, 1024)  # of 8 bytes each
+            dtype = numpy.dtype("float64")
+
+            def __getitem__(self, key):
+                raise RuntimeError("is read")
+
+        if free > 2**41:
+            self.skipTest("the disk is too large for a header")
+        with self.assertWarnsRegex(UserWarning, "out.bvol: takes up to .* MiB, but its disk has room for"):
+            with self.assertRaisesRegex(RuntimeError, "is read"):
+                si.create(Huge(), self.path("out.bvol"), block_size=64)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            with self.assertRaisesRegex(UserWarning, "its disk has room for"):
+                si.create(Huge(), self.path("out.bvol"), block_size=64)
+        self.assertFalse(os.path.exists(self.path("out.bvol")))
 
     def test_what_makes_no_sense_is_refused(self):
         samples = make_samples("uint8", (4, 4, 4))
