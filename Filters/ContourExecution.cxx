@@ -55,6 +55,7 @@ Status CheckIslands(const IslandRequest& request)
 
 ContourExecution::ContourExecution(vtkStabbingContour& contour)
   : Contour(contour)
+  , OfImages(contour)
 {
 }
 
@@ -421,26 +422,12 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
     this->MakeRequest());
   ISOSURFACE_RETURN_IF_ERROR(query.GetStatus());
   this->Averages.DropUnused();
-  const std::uint64_t vertices = this->BeginImagePass(ranks, std::move(*query));
-  const ImagePass& pass = this->LastImages;
-  Status status;
-  if (vertices > 0)
-  {
-    status = this->ExtractFirst(ranks, vertices, outcome);
-  }
-  else
-  {
-    status =
-      pass.Level > 0 ? this->ExtractCoarsely(ranks, outcome) : this->ExtractExactly(ranks, outcome);
-  }
-  outcome.Final = pass.Level == 0;
-  outcome.Cost.Level = pass.Level;
+  this->OfVolumes.DropPrepared();
+  this->LastPass = {};
+  Status status = this->OfImages.Extract(ranks, std::move(*query), this->CoarseAllowed, outcome);
   status = this->ChooseIslands(
-    ranks, status, [&] { return this->MakeImageQuery().MakeIslandGrids(ranks); }, outcome);
-  if (pass.Level == 0)
-  {
-    this->LastImages.Exact = {}; // only what may be refined keeps its arrays alive
-  }
+    ranks, status, [&] { return this->OfImages.MakeIslandGrids(ranks); }, outcome);
+  this->OfImages.End();
   return status;
 }
 

@@ -5,13 +5,12 @@
 #include "CellArrays.h"
 #include "ContourRefinement.h"
 #include "ControllerCommunicator.h"
-#include "ImageContour.h"
 #include "ImagePieces.h"
+#include "ImageRefinement.h"
 #include "VolumeInput.h"
 
 #include "vtkType.h"
 
-#include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/Region.h"
 #include "Ranks/Query/VolumeContour.h"
@@ -62,7 +61,7 @@ public:
   void KeepPass(vtkMTimeType time)
   {
     this->LastPass.Time = time;
-    this->LastImages.Time = time;
+    this->OfImages.KeepPass(time);
   }
   /// Tells whether the surface of the level was extracted, and the triangles of this rank's part.
   void SetShown(bool shown, std::size_t triangles);
@@ -75,7 +74,7 @@ public:
   /// Forgets what was prepared.
   void DropRefinement();
   /// Stops what reads images beside the calling thread: what is before the filter may execute.
-  void ReleaseImages();
+  void ReleaseImages() { this->OfImages.DropUnfinished(); }
   /// Lets surfaces of the current volume and isovalues be larger than the memory.
   void AcceptSize() { this->LastPass.SizeAccepted = true; }
 
@@ -106,25 +105,6 @@ private:
     bool HasGrown = false;                    ///< whether GrowthDue is to be found
     std::string Sampled; ///< the volume until whose finer surface this one may stay; or empty
     bool Stays = false;  ///< whether the surface of the pass before is shown
-  };
-
-  /// The same of images in memory.
-  struct ImagePass
-  {
-    int Level = 0;          ///< 0: nothing is finer
-    bool HasPieces = false; ///< whether the ranks have more than one together
-    bool Shown = false;
-    vtkMTimeType Time = 0;
-    std::uint64_t Input = 0; ///< a fingerprint of the images
-    ImageContour::Query Exact;
-    std::size_t Triangles = 0;
-  };
-
-  /// The exact surface of images, made beside the calling thread.
-  struct ImageRefinement
-  {
-    ContourOutcome Outcome;               ///< the thread's until it has ended
-    std::unique_ptr<CollectiveTask> Work; ///< the last member: it uses the other one
   };
 
   ContourRequest MakeRequest();
@@ -179,21 +159,6 @@ private:
   /// on this rank. `makeGrids` gives the grids of the surface. Collective.
   Status ChooseIslands(Communicator& ranks, const Status& extracted,
     const std::function<IslandGrids()>& makeGrids, ContourOutcome& outcome);
-  /// Remembers what this execution extracts. Returns the vertices of all ranks if it is the first one
-  /// of the images and may be coarse, else 0. Collective.
-  std::uint64_t BeginImagePass(Communicator& ranks, ImageContour::Query query);
-  /// The finest surface of images that two cores extract and draw within some 0.1 s, if the exact one
-  /// takes longer. Chooses the level. Collective.
-  Status ExtractFirst(Communicator& ranks, std::uint64_t vertices, ContourOutcome& outcome);
-  /// What is contoured at the level.
-  ImageContour::Query MakeImageQuery() const;
-  /// The surface of the level. Collective.
-  Status ExtractCoarsely(Communicator& ranks, ContourOutcome& outcome);
-  /// The exact surface, the prepared one if there is one. Collective.
-  Status ExtractExactly(Communicator& ranks, ContourOutcome& outcome);
-  /// PrepareRefinement of images. Collective.
-  Refinement PrepareImages(Communicator& ranks, double seconds);
-  Status BeginImages(Communicator& ranks);
   /// The images of all ranks that are to be contoured. Collective.
   Result<ImagePieces> CollectPieces(
     Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
@@ -206,13 +171,10 @@ private:
 
   vtkStabbingContour& Contour;
   CellAverages Averages;
-  ImageContour OfImages;
-  ImageContour OfCoarseImages; ///< of its own, so that ranges of exact ones stay
+  ImageRefinement OfImages;
   VolumeContour OfVolumes;
   Pass LastPass;
-  ImagePass LastImages;
-  std::unique_ptr<ImageRefinement> Prepared; ///< of LastImages; uses OfImages
-  Refinement LastRefinement;                 ///< of LastPass
+  Refinement LastRefinement; ///< of the last surface
   bool CoarseAllowed = false;
   int RanksOnNode = 0; ///< 0: not known yet
 };

@@ -7,7 +7,6 @@
 
 #include "ErrorReport.h"
 #include "Ground/Base/AvailableMemory.h"
-#include "Ground/Base/Fingerprint.h"
 #include "Ranks/Query/ProgressiveLevels.h"
 #include "Ranks/Query/SurfaceMemory.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -23,19 +22,12 @@ namespace isosurface
 namespace
 {
 
-constexpr double Millionths = 1e6;
 constexpr double MebiByte = 1 << 20;
-/// No coarse surface of images has more, so that it takes a few hundredths of a second on two cores.
-constexpr std::uint64_t CoarseVertices = 1 << 20;
-/// Surfaces of so few have at most FirstSurfaceTriangles, about, even in noise.
-constexpr std::uint64_t ProbedVertices = 1 << 15;
 /// A surface that grows with an index rests so many times as long as it took to extract and to show.
 constexpr int GrowthRest = 2;
 /// Its first exact part has about so many at most; each later one is at most twice as deep. So the
 /// first is there soon, and the index goes on.
 constexpr double FirstPartTriangles = 500'000;
-/// To look at each of so many takes a hundredth of a second.
-constexpr std::uint64_t DirectVertices = 1 << 23;
 
 } // namespace
 
@@ -57,7 +49,7 @@ Result<int> ContourExecution::ChoosePassLevel(
     return pass.Level;
   }
   this->DropRefinement();
-  this->LastImages = {};
+  this->OfImages.Forget();
   const Pass before = std::exchange(this->LastPass, {});
   this->LastRefinement = {};
   pass.Level = std::min(this->Contour.GetLevel(), volume->GetNumberOfLevels() - 1);
@@ -124,8 +116,7 @@ Status ContourExecution::KeepSurface(const ExtractionTask& task, const Pass& bef
 //------------------------------------------------------------------------------
 void ContourExecution::SetShown(bool shown, std::size_t triangles)
 {
-  this->LastImages.Shown = shown;
-  this->LastImages.Triangles = triangles;
+  this->OfImages.SetShown(shown, triangles);
   this->LastPass.Shown = shown;
   this->LastPass.Stays = this->LastPass.Stays && shown;
   if (!this->LastPass.Stays)
@@ -142,178 +133,10 @@ int ContourExecution::GetLevelAfterPass(const BlockedVolume& volume)
 }
 
 //------------------------------------------------------------------------------
-// Images
-
-std::uint64_t ContourExecution::BeginImagePass(Communicator& ranks, ImageContour::Query query)
-{
-  ImagePass& pass = this->LastImages;
-  Fingerprint input;
-  std::vector<std::uint64_t> sums = { 0, query.Pieces.Pieces.size() };
-  bool isHidden = false;
-  for (const ImagePiece& piece : query.Pieces.Pieces)
-  {
-    const VertexBox& box = piece.Samples.Components.front().Box;
-    input.AddNumber(reinterpret_cast<std::uintptr_t>(piece.Samples.Array.Get()));
-    input.AddNumber(piece.GetTime());
-    input.AddNumber(static_cast<std::uint64_t>(box.GetNumberOfVertices()));
-    sums[0] += static_cast<std::uint64_t>(box.GetNumberOfVertices());
-    isHidden = isHidden || !piece.Samples.Hidden.IsEmpty();
-  }
-  const vtkMTimeType time = this->Contour.GetMTime();
-  const bool isNew = pass.Time != time || pass.Input != input.Get();
-  std::vector<std::uint64_t> decisive = { isNew ? 1U : 0U,
-    this->CoarseAllowed && !isHidden ? 0U : 1U };
-  ranks.ReduceMaximum(decisive);
-  ranks.ReduceSum(sums);
-  this->LastPass = {};
-  if (decisive[0] != 0)
-  {
-    this->DropRefinement();
-    pass = {};
-  }
-  pass.Time = time;
-  pass.Input = input.Get();
-  pass.HasPieces = sums[1] > 1;
-  pass.Exact = std::move(query);
-  return decisive[0] != 0 && decisive[1] == 0 ? sums[0] : 0;
-}
-
-//------------------------------------------------------------------------------
-Status ContourExecution::ExtractFirst(
-  Communicator& ranks, std::uint64_t vertices, ContourOutcome& outcome)
-{
-  constexpr double growth = 4; // of triangles from a level to the next finer one
-  const auto countVertices = [vertices](int level) { return vertices >> (3 * level); };
-  int& level = this->LastImages.Level;
-  while (countVertices(level) > ProbedVertices)
-  {
-    ++level;
-  }
-  for (; level > 0; --level)
-  {
-    ContourOutcome coarse;
-    coarse.ArrayName = outcome.ArrayName;
-    ISOSURFACE_RETURN_IF_ERROR(this->ExtractCoarsely(ranks, coarse));
-    std::vector<std::uint64_t> triangles = { coarse.Extracted.NumberOfTriangles };
-    ranks.ReduceSum(triangles);
-    const auto count = static_cast<double>(triangles[0]);
-    if (vertices <= DirectVertices && count * std::pow(growth, level) <= FirstSurfaceTriangles)
-    {
-      level = 0;
-      break;
-    }
-    if (countVertices(level - 1) > CoarseVertices || growth * count > FirstSurfaceTriangles)
-    {
-      outcome = std::move(coarse);
-      return Status::Ok();
-    }
-  }
-  return this->ExtractExactly(ranks, outcome);
-}
-
-//------------------------------------------------------------------------------
-ImageContour::Query ContourExecution::MakeImageQuery() const
-{
-  const ImagePass& pass = this->LastImages;
-  // Blocks with nothing but samples inside have a surface, too, if sides are closed.
-  const bool joins = pass.HasPieces && pass.Exact.Request.ClosedSides.IsEmpty();
-  return pass.Level > 0 ? pass.Exact.Coarsen(pass.Level, joins) : pass.Exact;
-}
-
-//------------------------------------------------------------------------------
-Status ContourExecution::ExtractCoarsely(Communicator& ranks, ContourOutcome& outcome)
-{
-  ImageContour::Query query;
-  const auto make = [&]
-  {
-    query = this->MakeImageQuery();
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotExtracted, make));
-  return ranks.Agree(
-    this->OfCoarseImages.Extract(ranks, query, isosurface::MakeProgress(this->Contour), outcome));
-}
-
-//------------------------------------------------------------------------------
-Status ContourExecution::ExtractExactly(Communicator& ranks, ContourOutcome& outcome)
-{
-  std::vector<std::uint64_t> prepared = { this->Prepared ? 1U : 0U };
-  ranks.ReduceMinimum(prepared);
-  const Progress progress = isosurface::MakeProgress(this->Contour);
-  if (prepared[0] == 0)
-  {
-    this->Prepared.reset();
-    return this->OfImages.Extract(ranks, this->LastImages.Exact, progress, outcome);
-  }
-  const std::unique_ptr<ImageRefinement> refinement = std::move(this->Prepared);
-  ISOSURFACE_RETURN_IF_ERROR(refinement->Work->Finish(ranks, progress));
-  refinement->Outcome.ArrayName = outcome.ArrayName;
-  outcome = std::move(refinement->Outcome);
-  return Status::Ok();
-}
-
-//------------------------------------------------------------------------------
-Refinement ContourExecution::PrepareImages(Communicator& ranks, double seconds)
-{
-  const ImagePass& pass = this->LastImages;
-  std::vector<std::uint64_t> prepared = { this->Prepared ? 1U : 0U };
-  ranks.ReduceMinimum(prepared);
-  Refinement& refinement = this->LastRefinement;
-  if (prepared[0] == 0)
-  {
-    this->Prepared.reset();
-    refinement = {};
-    refinement.ShownLevel = pass.Level;
-    std::vector<std::uint64_t> triangles = { pass.Triangles };
-    ranks.ReduceSum(triangles);
-    refinement.Triangles = static_cast<double>(triangles[0] << (2 * pass.Level));
-    if (!this->BeginImages(ranks).IsOk())
-    {
-      // Refine extracts without preparation, and tells of the error.
-      this->Prepared.reset();
-      refinement.Stage = RefinementStage::Ready;
-      return refinement;
-    }
-  }
-  const bool isReady = this->Prepared->Work->Advance(ranks, seconds);
-  std::vector<std::uint64_t> slowest = { static_cast<std::uint64_t>(
-    this->Prepared->Work->GetProgress() * Millionths) };
-  ranks.ReduceMinimum(slowest);
-  refinement.Stage = isReady ? RefinementStage::Ready : RefinementStage::Working;
-  refinement.Share = static_cast<double>(slowest[0]) / Millionths;
-  return refinement;
-}
-
-//------------------------------------------------------------------------------
-Status ContourExecution::BeginImages(Communicator& ranks)
-{
-  this->Prepared = std::make_unique<ImageRefinement>();
-  ImageRefinement& prepared = *this->Prepared;
-  return ranks.Agree(Attempt("the next surface cannot be prepared",
-    [&]
-    {
-      prepared.Work = std::make_unique<CollectiveTask>(ranks, NotExtracted,
-        [this, &prepared, query = this->LastImages.Exact](
-          Communicator& all, const Progress& advance)
-        { return this->OfImages.Extract(all, query, advance, prepared.Outcome); });
-      return Status::Ok();
-    }));
-}
-
-//------------------------------------------------------------------------------
-void ContourExecution::ReleaseImages()
-{
-  if (this->Prepared && !this->Prepared->Work->HasEnded())
-  {
-    this->Prepared.reset();
-  }
-}
-
-//------------------------------------------------------------------------------
 void ContourExecution::DropRefinement()
 {
   this->OfVolumes.DropPrepared();
-  this->Prepared.reset();
+  this->OfImages.Drop();
 }
 
 //------------------------------------------------------------------------------
@@ -321,11 +144,8 @@ void ContourExecution::DropRefinement()
 
 bool ContourExecution::Refine()
 {
-  ImagePass& images = this->LastImages;
-  if (images.Level > 0 && images.Shown && images.Time == this->Contour.GetMTime())
+  if (this->OfImages.Refine())
   {
-    images.Level = 0;
-    images.Shown = false;
     return true;
   }
   Pass& pass = this->LastPass;
@@ -354,8 +174,7 @@ bool ContourExecution::MayRefine(Communicator& ranks, bool& ofImages)
   const vtkMTimeType time = this->Contour.GetMTime();
   const bool may =
     !this->Contour.GetFinal() && pass.Shown && pass.Time == time && !pass.Volume.expired();
-  const ImagePass& images = this->LastImages;
-  const bool mayImages = images.Level > 0 && images.Shown && images.Time == time;
+  const bool mayImages = this->OfImages.MayRefine();
   std::vector<std::uint64_t> all = { may || mayImages ? 1U : 0U, mayImages ? 1U : 0U };
   ranks.ReduceMinimum(all);
   ofImages = all[1] != 0;
@@ -379,7 +198,8 @@ Refinement ContourExecution::PrepareRefinement(double seconds)
   }
   if (ofImages)
   {
-    return this->PrepareImages(ranks, seconds);
+    this->OfImages.Prepare(ranks, seconds, this->LastRefinement);
+    return this->LastRefinement;
   }
   Refinement& refinement = this->LastRefinement;
   std::vector<std::uint64_t> prepared = { this->OfVolumes.GetPrepared() ? 1U : 0U };

@@ -7,6 +7,9 @@
 namespace isosurface
 {
 
+/// Ranks agree on shares in so many parts.
+constexpr double Millionths = 1e6;
+
 /// How far the surface that follows a coarse one is.
 enum class RefinementStage
 {
