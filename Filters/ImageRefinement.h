@@ -52,7 +52,7 @@ public:
   void Drop() { this->Prepared.reset(); }
   /// The same, if it still reads the images.
   void DropUnfinished();
-  /// Forgets the last surface: the input is none of images.
+  /// Forgets the last surface, after Drop(): the input has no images.
   void Forget() { this->Last = {}; }
 
 private:

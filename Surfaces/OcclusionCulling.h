@@ -56,6 +56,9 @@ public:
   void Draw(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed,
     vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
 
+  /// Whether the next image may go on where the last one stopped.
+  bool IsAmidPortions() const { return !this->Image.IsEmpty(); }
+
   /// How many triangles of the surface the last image needed.
   std::size_t GetDrawn() const { return this->Drawn; }
   /// Tells that all of so many were drawn, by somebody else.

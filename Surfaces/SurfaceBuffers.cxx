@@ -2,7 +2,6 @@
 #include "SurfaceBuffers.h"
 
 #include "DrawingBudget.h"
-#include "OcclusionCulling.h"
 #include "OpenGLFunctions.h"
 
 #include "Ground/Base/HugePages.h"
@@ -22,6 +21,12 @@ constexpr GLenum ExternalMemory = 0x9160;
 /// Whether buffers can be in memory of this process without a loss: not behind a bus.
 bool CanUseOwnMemory()
 {
+  constexpr const char* rasterizer = "llvmpipe";
+  const auto* renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  if (!renderer || std::strncmp(renderer, rasterizer, std::strlen(rasterizer)) != 0)
+  {
+    return false;
+  }
   GLint count = 0;
   glGetIntegerv(GL_NUM_EXTENSIONS, &count);
   for (GLint n = 0; n < count; ++n)
@@ -30,7 +35,7 @@ bool CanUseOwnMemory()
       reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(n)));
     if (name && std::strcmp(name, "GL_AMD_pinned_memory") == 0)
     {
-      return OcclusionCulling::IsSoftware();
+      return true;
     }
   }
   return false;
@@ -116,9 +121,9 @@ void SurfaceBuffers::MakeMemory(const Buffer& buffer)
       this->Used.push_back(memory);
       return;
     }
-    ReleaseMemory(memory);
   }
   glBufferData(GL_COPY_WRITE_BUFFER, size, nullptr, GL_STATIC_DRAW);
+  ReleaseMemory(memory);
 }
 
 void SurfaceBuffers::WriteNext(Buffer& buffer)
@@ -127,16 +132,24 @@ void SurfaceBuffers::WriteNext(Buffer& buffer)
   const std::size_t bytes = buffer.Ends[buffer.Next] - first;
   const auto place = static_cast<GLintptr>(first);
   const auto length = static_cast<GLsizeiptr>(bytes);
-  void* mapped = buffer.IsMapped && bytes > 0
+  void* mapped = buffer.MayBeMapped && bytes > 0
     ? glMapBufferRange(
         GL_COPY_WRITE_BUFFER, place, length, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_RANGE_BIT)
     : nullptr;
   if (mapped)
   {
-    buffer.Write(buffer.Next, mapped);
-    buffer.IsMapped = glUnmapBuffer(GL_COPY_WRITE_BUFFER) == GL_TRUE;
+    try
+    {
+      buffer.Write(buffer.Next, mapped);
+    }
+    catch (...)
+    {
+      glUnmapBuffer(GL_COPY_WRITE_BUFFER);
+      throw;
+    }
+    buffer.MayBeMapped = glUnmapBuffer(GL_COPY_WRITE_BUFFER) == GL_TRUE;
     // Memory that was lost while it was mapped is lost as a whole.
-    buffer.Next = buffer.IsMapped ? buffer.Next + 1 : 0;
+    buffer.Next = buffer.MayBeMapped ? buffer.Next + 1 : 0;
   }
   else
   {

@@ -44,7 +44,7 @@ public:
   /// is over, or to the end without a budget. Something is unwritten.
   void Write(const DrawingBudget* budget);
 
-  /// Gives the memory of all buffers back, which have been deleted.
+  /// To be called when all buffers have been deleted: gives their memory back.
   void Clear();
 
 private:
@@ -55,7 +55,7 @@ private:
     WriteFunction Write;
     std::size_t Next = 0; ///< the first portion that is not written
     bool HasMemory = false;
-    bool IsMapped = true; ///< whether its memory can be written to
+    bool MayBeMapped = true; ///< false once its memory was lost while it was mapped
   };
 
   void MakeMemory(const Buffer& buffer);

@@ -41,6 +41,12 @@ public:
   vtkTypeMacro(vtkIsosurfaceMapper, vtkIsosurfaceMapperSuperclass);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  /// A surface of fewer triangles is drawn at once, even within a budget.
+  enum
+  {
+    TRIANGLES_OF_PORTIONS = 150000
+  };
+
   /// When hidden triangles are left out.
   enum
   {
@@ -52,7 +58,8 @@ public:
   ///@{
   /**
    * Whether triangles behind others, or outside of the image, are left out: of opaque surfaces of more
-   * than half a million triangles. The image is the same, to the last pixel. Default: SOFTWARE.
+   * than half a million triangles, or of TRIANGLES_OF_PORTIONS within a budget. The image is the same, to
+   * the last pixel. Default: SOFTWARE.
    */
   vtkSetClampMacro(OcclusionCulling, int, NEVER, ALWAYS);
   vtkGetMacro(OcclusionCulling, int);

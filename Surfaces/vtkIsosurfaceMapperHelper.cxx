@@ -207,7 +207,7 @@ bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor, c
 //------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkActor* actor)
 {
-  this->HasOwnBuffers = false;
+  this->ReleaseOwnBuffers();
   if (Block* block = this->GetBlockAlone())
   {
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
@@ -239,6 +239,20 @@ void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkAct
 }
 
 //------------------------------------------------------------------------------
+void vtkIsosurfaceMapperHelper::ReleaseOwnBuffers()
+{
+  if (std::exchange(this->HasOwnBuffers, false))
+  {
+    this->VBOs->ClearAllVBOs();
+    for (vtkOpenGLHelper& primitive : this->Primitives)
+    {
+      primitive.IBO->ReleaseGraphicsResources();
+    }
+    this->Buffers.Clear();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   vtkRenderer* renderer, vtkActor* actor, Block& block)
 {
@@ -246,10 +260,8 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   this->VBOs->ClearAllVBOs();
   for (vtkOpenGLHelper& primitive : this->Primitives)
   {
-    primitive.IBO->ReleaseGraphicsResources();
     primitive.IBO->IndexCount = 0;
   }
-  this->Buffers.Clear();
   this->EdgeValues.clear();
   this->HaveCellScalars = false;
   this->HaveCellNormals = false;
@@ -465,7 +477,7 @@ void vtkIsosurfaceMapperHelper::MakeVertices(
   }
   this->VBOs->BuildAllVBOs(renderer);
 
-  // What is written later keeps what it reads.
+  // Arrays that are read later stay.
   const vtkSmartPointer<vtkPolyData> kept = surface;
   this->MakeVertexBuffer("vertexMC", 3, points,
     [this, kept, triangles, map](std::size_t first, std::size_t last, float* written)
@@ -542,8 +554,10 @@ void vtkIsosurfaceMapperHelper::MakeIndices(
 //------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
 {
-  // Fewer triangles are drawn before the depths are read, or within the time of an image.
-  const std::size_t fewest = DrawingBudget::GetCurrent() ? 150000 : 500000;
+  // Fewer triangles are drawn in less time than depths are read; in portions, fewer fit into one.
+  const std::size_t fewest = DrawingBudget::GetCurrent() || this->Culling->IsAmidPortions()
+    ? vtkIsosurfaceMapper::TRIANGLES_OF_PORTIONS
+    : 500000;
   const bool isSelected = this->GetSelection() && this->GetSelection()->GetNumberOfNodes() > 0;
   if (!this->HasOwnBuffers || !this->GetBlockAlone() || isSelected ||
     this->Primitives[PrimitiveTris].IBO->IndexCount < 3 * fewest)
@@ -587,15 +601,18 @@ vtkMTimeType vtkIsosurfaceMapperHelper::FindChange(vtkRenderer* renderer, vtkAct
 //------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
+  DrawingBudget* budget = DrawingBudget::GetCurrent();
   if (this->HasOwnBuffers && !this->Buffers.IsWritten())
   {
-    DrawingBudget* budget = DrawingBudget::GetCurrent();
     this->Buffers.Write(budget);
-    if (budget)
+    if (budget && (!this->Buffers.IsWritten() || budget->GetSecondsLeft() <= 0))
     {
-      budget->SetUnfinished(); // drawing takes the time of the next images
-      return;
+      budget->SetUnfinished();
     }
+  }
+  if (this->HasOwnBuffers && budget && !budget->IsFinished())
+  {
+    return; // nobody will see this image
   }
   if (!this->CanCull(renderer, actor))
   {

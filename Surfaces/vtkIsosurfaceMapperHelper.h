@@ -71,6 +71,7 @@ private:
   Block* GetBlockAlone();
   /// Whether the buffers can be made here; if so, Triangles has measured the block's surface.
   bool Covers(vtkRenderer* renderer, vtkActor* actor, const Block& block);
+  void ReleaseOwnBuffers();
   void BuildBuffersOfBlock(vtkRenderer* renderer, vtkActor* actor, Block& block);
   /// Sets Colors, or ColorCoordinates and the texture, as MapScalars does.
   void MapColors(vtkPolyData* surface);

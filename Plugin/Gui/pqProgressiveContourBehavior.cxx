@@ -19,6 +19,7 @@
 #include "pqTimer.h"
 #include "pqUndoStack.h"
 #include "pqView.h"
+#include "vtkIsosurfaceMapper.h"
 #include "vtkLogger.h"
 #include "vtkPVGeneralSettings.h"
 #include "vtkPVRenderView.h"
@@ -437,7 +438,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       keep = QGuiApplication::mouseButtons() != Qt::NoButton || this->IsHandMoving(watched, report);
       if (!keep)
       {
-        watched.IsLarge = report.Triangles > SurfaceOfPortions;
+        watched.IsLarge = report.Triangles > vtkIsosurfaceMapper::TRIANGLES_OF_PORTIONS;
         if (watched.HasGrown)
         {
           this->BoundsBefore[contour->GetGlobalID()] = pqIndexStatus::FindBounds(watched.Source);

@@ -57,8 +57,6 @@ public:
   static constexpr int SliceMilliseconds = 60;
   /// A surface of so many triangles may take longer to draw than a hand should wait.
   static constexpr double LargeSurface = 1e6;
-  /// A surface of so many triangles is drawn in portions; the mapper draws fewer at once.
-  static constexpr double SurfaceOfPortions = 1.5e5;
   /// A hand that has not moved for this long rests.
   static constexpr int RestMilliseconds = 150;
   /// The longest that a surface waits for a hand to rest.

@@ -39,7 +39,7 @@ public:
   static constexpr double RestingPortionSeconds = 0.3;
   /// A hand moves for so long after its last event.
   static constexpr int MovingMilliseconds = 300;
-  /// After a portion, for what a moving hand has asked.
+  /// After a portion or an update, for what a moving hand has asked.
   static constexpr int PauseMilliseconds = 20;
   /// A hand at the wheel turns it again within this time.
   static constexpr int RestMilliseconds = 150;

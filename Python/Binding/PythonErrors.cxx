@@ -82,8 +82,9 @@ bool SignalWatch::Look()
 
 void SignalWatch::Warn(const std::string& message)
 {
+  constexpr int caller = 3; // of the function of the package that calls one that writes
   const pybind11::gil_scoped_acquire held;
-  if (!this->Raised && PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 2) != 0)
+  if (!this->Raised && PyErr_WarnEx(PyExc_UserWarning, message.c_str(), caller) != 0)
   {
     this->Raised.emplace();
   }

@@ -111,7 +111,7 @@ def create(
     Warns
     -----
     UserWarning
-        The disk has not the room that the samples take uncompressed. It is tried nevertheless.
+        The disk may be too small: the samples do not fit uncompressed. They are written nevertheless.
 
     Examples
     --------

@@ -141,6 +141,8 @@ class ClientAndServer(testing.TestCase):
 
     def test_server_stays_usable_after_errors(self):
         self.run_client_and_server("errors_on_server.py")
+        last = testing.arguments.ranks - 1
+        self.assertIn(f"rank {last} failed: There is not enough memory for the isosurface.", self.read_log())
 
     def test_client_sees_the_same_and_the_log_has_a_line_a_rank(self):
         self.run_client_and_server("surface_images.py")

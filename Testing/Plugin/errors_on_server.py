@@ -83,6 +83,7 @@ class ErrorsOnServer(testing.TestCase):
 
     def limit_memory(self, more):
         """Lets the last rank have so many bytes more than it has; any number for None."""
+        most = "resource.RLIM_INFINITY" if more is None else f"has + {more}"
         source = simple.ProgrammableSource(
             Script=f"""
 import resource
@@ -91,8 +92,7 @@ controller = vtkMultiProcessController.GetGlobalController()
 if controller.GetLocalProcessId() == controller.GetNumberOfProcesses() - 1:
     with open("/proc/self/statm") as pages:
         has = int(pages.read().split()[0]) * resource.getpagesize()
-    most = resource.RLIM_INFINITY if {more} is None else has + {more}
-    resource.setrlimit(resource.RLIMIT_AS, (most, resource.RLIM_INFINITY))
+    resource.setrlimit(resource.RLIMIT_AS, ({most}, resource.RLIM_INFINITY))
 """
         )
         source.UpdatePipeline()

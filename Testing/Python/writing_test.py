@@ -151,9 +151,10 @@ class Writing(VolumeTest):
 
         if free > 2**41:
             self.skipTest("the disk is too large for a header")
-        with self.assertWarnsRegex(UserWarning, "out.bvol: takes up to .* MiB, but its disk has room for"):
+        with self.assertWarnsRegex(UserWarning, "out.bvol: takes up to .* MiB, but its disk has room for") as told:
             with self.assertRaisesRegex(RuntimeError, "is read"):
                 si.create(Huge(), self.path("out.bvol"), block_size=64)
+        self.assertEqual(told.filename, __file__)
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             with self.assertRaisesRegex(UserWarning, "its disk has room for"):

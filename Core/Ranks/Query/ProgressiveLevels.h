@@ -36,7 +36,8 @@ Result<int> ChooseFirstLevel(
 constexpr double DirectSurfaceTriangles = 20'000'000;
 constexpr double DirectSurfaceTrianglesInPlace = 10'000'000;
 
-/// Whether the surface at `finest` has at most as many of these, by EstimateTriangles.
+/// Whether the surface at `finest` has at most DirectSurfaceTriangles, or DirectSurfaceTrianglesInPlace, by
+/// EstimateTriangles.
 /// Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks.
 Result<bool> IsDirectSurface(
   BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);

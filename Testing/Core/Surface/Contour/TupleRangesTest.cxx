@@ -62,6 +62,8 @@ TEST(TupleRanges, AreThoseOfEachColumnAndOfTheNorms)
   for (const std::size_t tuples : { 1, 15, 16, 17, 65536, 65537, 200003 })
   {
     ExpectRangesOf<float>(tuples, 3);
+    ExpectRangesOf<float>(tuples, 2);
+    ExpectRangesOf<double>(tuples, 4);
     ExpectRangesOf<double>(tuples, 1);
     ExpectRangesOf<long long>(tuples, 1);
   }
@@ -81,5 +83,6 @@ TEST(TupleRanges, ValuesThatAreNotFiniteAreTold)
     std::vector<float> values = MakeValues<float>(100000);
     values[99998] = value;
     EXPECT_FALSE(FindTupleRanges(values.data(), values.size(), 1, 2).AreFinite);
+    EXPECT_FALSE(FindTupleRanges(values.data(), values.size() / 4, 4, 2).AreFinite);
   }
 }
