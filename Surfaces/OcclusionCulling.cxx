@@ -7,12 +7,15 @@
 #include "vtkActor.h"
 #include "vtkInformation.h"
 #include "vtkInformationObjectBaseVectorKey.h"
+#include "vtkLight.h"
+#include "vtkLightCollection.h"
 #include "vtkMatrix3x3.h"
 #include "vtkMatrix4x4.h"
 #include "vtkOpenGLCamera.h"
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
+#include "vtkProperty.h"
 #include "vtkRenderer.h"
 #include "vtkShaderProperty.h"
 
@@ -83,6 +86,25 @@ std::array<double, 16> FindModelToClip(vtkRenderer* renderer, vtkActor* actor)
   return values;
 }
 
+/// When the look of the surface, or the light, changed last. ParaView modifies the actor before each
+/// image; where it is, the matrices tell.
+vtkMTimeType FindChange(vtkRenderer* renderer, vtkActor* actor)
+{
+  vtkMTimeType last = std::max(actor->GetProperty()->GetMTime(), renderer->GetMTime());
+  if (vtkProperty* backface = actor->GetBackfaceProperty())
+  {
+    last = std::max(last, backface->GetMTime());
+  }
+  vtkLightCollection* lights = renderer->GetLights();
+  vtkCollectionSimpleIterator place;
+  lights->InitTraversal(place);
+  while (vtkLight* light = lights->GetNextLight(place))
+  {
+    last = std::max(last, light->GetMTime());
+  }
+  return std::max(last, lights->GetMTime());
+}
+
 } // namespace
 
 bool OcclusionCulling::IsSoftware()
@@ -132,7 +154,7 @@ OcclusionCulling::Conditions OcclusionCulling::FindConditions(
   found.ModelToClip = FindModelToClip(renderer, actor);
   std::memcpy(found.ModelToWorld.data(), actor->GetMatrix()->GetData(), sizeof(found.ModelToWorld));
   glGetIntegerv(GL_VIEWPORT, found.Viewport.data());
-  found.Changed = changed;
+  found.Changed = std::max(changed, FindChange(renderer, actor));
   ReadColors(found.Viewport, found.ColorsBefore);
   ReadDepths(found.Viewport, found.DepthsBefore);
   return found;

@@ -51,7 +51,7 @@ public:
   /// Takes another surface. Until its first image, that of the surface before tells what may be hidden.
   void Take(const TriangleMeasure& measure);
 
-  /// Draws the surface, which looks as it did at `changed`. `all` has the indices of all proper
+  /// Draws the surface, whose triangles and mapper are those of `changed`. `all` has the indices of all proper
   /// triangles; draw() is called for those of each portion.
   void Draw(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed,
     vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);

@@ -4,6 +4,7 @@
 
 #include "DrawingBudget.h"
 #include "OcclusionCulling.h"
+#include "ScalarColors.h"
 #include "vtkIsosurfaceMapper.h"
 
 #include "vtkActor.h"
@@ -11,8 +12,6 @@
 #include "vtkFloatArray.h"
 #include "vtkHardwareSelector.h"
 #include "vtkImageData.h"
-#include "vtkLight.h"
-#include "vtkLightCollection.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -93,24 +92,6 @@ vtkPolyData* GetSurface(const Block& block)
   return block.Data;
 }
 #endif
-
-// A surface that has these tuples of an array alone.
-vtkSmartPointer<vtkPolyData> MakeSurfaceOf(
-  vtkDataArray* array, const std::vector<vtkIdType>& tuples)
-{
-  const auto some = vtkSmartPointer<vtkDataArray>::Take(array->NewInstance());
-  some->SetName(array->GetName());
-  some->SetLookupTable(array->GetLookupTable());
-  some->SetNumberOfComponents(array->GetNumberOfComponents());
-  some->SetNumberOfTuples(static_cast<vtkIdType>(tuples.size()));
-  for (std::size_t n = 0; n < tuples.size(); ++n)
-  {
-    some->SetTuple(static_cast<vtkIdType>(n), tuples[n], array);
-  }
-  auto surface = vtkSmartPointer<vtkPolyData>::New();
-  surface->GetPointData()->AddArray(some);
-  return surface;
-}
 
 // Gives a variable another value until the end of the scope.
 template <typename T>
@@ -331,15 +312,7 @@ bool vtkIsosurfaceMapperHelper::MapColorsOfRuns(vtkPolyData* surface)
   {
     return false;
   }
-  std::vector<std::size_t> ends;
-  switch (scalars->GetDataType())
-  {
-    vtkTemplateMacro(
-      ends = isosurface::FindRuns(static_cast<const VTK_TT*>(scalars->GetVoidPointer(0)),
-        static_cast<std::size_t>(scalars->GetNumberOfTuples()), most));
-    default:
-      break; // bits are not taken
-  }
+  const std::vector<std::size_t> ends = isosurface::FindRunsOf(scalars, most);
   if (ends.empty())
   {
     return false;
@@ -351,28 +324,15 @@ bool vtkIsosurfaceMapperHelper::MapColorsOfRuns(vtkPolyData* surface)
   {
     places.push_back(static_cast<vtkIdType>(end) - 1);
   }
-  this->MapScalars(MakeSurfaceOf(scalars, places), 1.0);
+  this->MapScalars(isosurface::MakeSurfaceOf(scalars, places), 1.0);
   if (!this->Colors)
   {
     return false;
   }
-  auto* colors = vtkUnsignedCharArray::New();
-  colors->SetNumberOfComponents(this->Colors->GetNumberOfComponents());
-  colors->SetNumberOfTuples(scalars->GetNumberOfTuples());
-  std::size_t point = 0;
-  for (std::size_t run = 0; run < ends.size(); ++run)
-  {
-    for (; point < ends[run]; ++point)
-    {
-      colors->SetTypedTuple(static_cast<vtkIdType>(point),
-        this->Colors->GetPointer(
-          static_cast<vtkIdType>(run) * this->Colors->GetNumberOfComponents()));
-    }
-  }
+  const auto colors = isosurface::RepeatColors(this->Colors, ends);
   Drop(this->Colors, this);
   this->Colors = colors;
   this->Colors->Register(this);
-  colors->Delete();
   return true;
 }
 
@@ -386,7 +346,7 @@ bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
   }
 
   // The superclass makes the texture, with the coordinates of one value.
-  this->MapScalars(MakeSurfaceOf(scalars, { 0 }), 1.0);
+  this->MapScalars(isosurface::MakeSurfaceOf(scalars, { 0 }), 1.0);
   if (!this->ColorCoordinates || !this->LookupTable || this->LookupTable->UsingLogScale())
   {
     Drop(this->ColorCoordinates, this);
@@ -397,29 +357,6 @@ bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
   // Of the other values they are written where the graphics card reads them.
   this->ColorValues = scalars;
   return true;
-}
-
-//------------------------------------------------------------------------------
-void vtkIsosurfaceMapperHelper::WriteColorCoordinates(
-  vtkDataArray* scalars, std::size_t first, std::size_t last, float* coordinates) const
-{
-  const int components = scalars->GetNumberOfComponents();
-  const bool magnitude =
-    components > 1 && this->LookupTable->GetVectorMode() == vtkScalarsToColors::MAGNITUDE;
-  const int component = magnitude ? -1 : this->LookupTable->GetVectorComponent();
-  isosurface::TextureRange range;
-  range.Minimum = this->LookupTable->GetRange()[0];
-  range.Maximum = this->LookupTable->GetRange()[1];
-  range.Colors = static_cast<int>(this->LookupTable->GetNumberOfAvailableColors());
-  const std::size_t place = first * static_cast<std::size_t>(components);
-  switch (scalars->GetDataType())
-  {
-    vtkTemplateMacro(isosurface::FindTextureCoordinates(
-      static_cast<const VTK_TT*>(scalars->GetVoidPointer(0)) + place, last - first, components,
-      component, range, coordinates, this->Threads));
-    default:
-      break; // bits are not taken
-  }
 }
 
 //------------------------------------------------------------------------------
@@ -500,7 +437,10 @@ void vtkIsosurfaceMapperHelper::MakeVertices(
     const vtkSmartPointer<vtkDataArray> scalars = this->ColorValues;
     this->MakeVertexBuffer(ColorCoordinatesOfShader, 2, points,
       [this, scalars](std::size_t first, std::size_t last, float* written)
-      { this->WriteColorCoordinates(scalars, first, last, written); });
+      {
+        isosurface::WriteColorCoordinates(
+          scalars, this->LookupTable, first, last, written, this->Threads);
+      });
   }
 
   // Shaders and matrices learn afterwards that what was uploaded is shifted and scaled.
@@ -579,26 +519,6 @@ bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
 }
 
 //------------------------------------------------------------------------------
-vtkMTimeType vtkIsosurfaceMapperHelper::FindChange(vtkRenderer* renderer, vtkActor* actor)
-{
-  // ParaView modifies the actor before each image; where it is, the matrices tell.
-  vtkMTimeType last = std::max({ this->Parent->GetMTime(), this->VBOBuildTime.GetMTime(),
-    actor->GetProperty()->GetMTime(), renderer->GetMTime() });
-  if (vtkProperty* backface = actor->GetBackfaceProperty())
-  {
-    last = std::max(last, backface->GetMTime());
-  }
-  vtkLightCollection* lights = renderer->GetLights();
-  vtkCollectionSimpleIterator place;
-  lights->InitTraversal(place);
-  while (vtkLight* light = lights->GetNextLight(place))
-  {
-    last = std::max(last, light->GetMTime());
-  }
-  return std::max(last, lights->GetMTime());
-}
-
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
   DrawingBudget* budget = DrawingBudget::GetCurrent();
@@ -623,7 +543,8 @@ void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor*
   Block& block = *this->GetBlockAlone();
   vtkOpenGLIndexBufferObject*& indices = this->Primitives[PrimitiveTris].IBO;
   vtkOpenGLIndexBufferObject* all = indices;
-  this->Culling->Draw(renderer, actor, this->FindChange(renderer, actor), all,
+  const vtkMTimeType changed = std::max(this->Parent->GetMTime(), this->VBOBuildTime.GetMTime());
+  this->Culling->Draw(renderer, actor, changed, all,
     [&](vtkOpenGLIndexBufferObject* some)
     {
       indices = some;

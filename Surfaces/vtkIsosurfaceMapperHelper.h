@@ -79,9 +79,6 @@ private:
   bool MapColorsOfRuns(vtkPolyData* surface);
   /// The point array that gives the colors; null if it is not one of numbers, chosen by its name.
   vtkDataArray* FindNamedScalars(vtkPolyData* surface) const;
-  /// The coordinates of these scalars in the texture, two for each.
-  void WriteColorCoordinates(
-    vtkDataArray* scalars, std::size_t first, std::size_t last, float* coordinates) const;
   /// Makes the buffer of an attribute that the group knows as long as the surface. The values are
   /// unwritten: write(first, last, values) writes those of points [first, last).
   template <typename WriteT>
@@ -91,8 +88,6 @@ private:
   void MakeIndices(vtkOpenGLIndexBufferObject* buffer, vtkPolyData* surface);
   /// Whether hidden triangles may be left out.
   bool CanCull(vtkRenderer* renderer, vtkActor* actor);
-  /// When the surface, its look, or the light changed last.
-  vtkMTimeType FindChange(vtkRenderer* renderer, vtkActor* actor);
 
   std::shared_ptr<isosurface::MeasuredTriangles> Triangles;
   /// The array that colors the surface by a texture, if texture coordinates are written here; used
