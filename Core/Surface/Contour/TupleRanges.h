@@ -17,11 +17,6 @@ struct ValueSpan
   T Minimum = std::numeric_limits<T>::max();
   T Maximum = std::numeric_limits<T>::lowest();
 
-  void Add(T value)
-  {
-    this->Minimum = value < this->Minimum ? value : this->Minimum;
-    this->Maximum = value > this->Maximum ? value : this->Maximum;
-  }
   void Add(const ValueSpan& other)
   {
     this->Minimum = other.Minimum < this->Minimum ? other.Minimum : this->Minimum;

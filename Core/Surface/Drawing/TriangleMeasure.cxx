@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <numeric>
 #include <type_traits>
 
 namespace isosurface
@@ -135,12 +134,6 @@ bool AreOffsets(const T* offsets, std::size_t cells, int threads)
 }
 
 } // namespace
-
-std::size_t TriangleMeasure::CountProperTriangles() const
-{
-  return std::accumulate(
-    this->ProperTriangles.begin(), this->ProperTriangles.end(), std::size_t{ 0 });
-}
 
 TriangleMeasure MeasureTriangles(const TriangleSurface& surface, int threads)
 {

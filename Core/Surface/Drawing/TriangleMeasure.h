@@ -28,9 +28,6 @@ struct TriangleMeasure
   std::vector<std::uint32_t> ProperTriangles;
   /// By run, as Bounds.
   std::vector<std::array<float, 6>> RunBounds;
-
-  /// The sum of ProperTriangles.
-  std::size_t CountProperTriangles() const;
 };
 
 /**

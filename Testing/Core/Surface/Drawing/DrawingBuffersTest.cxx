@@ -42,15 +42,15 @@ std::vector<std::uint32_t> ListTrianglesOfThreePlaces(const OwnTriangles& surfac
 
 std::vector<std::uint32_t> Copy(const TriangleSurface& surface, int threads)
 {
-  const TriangleMeasure measure = MeasureTriangles(surface, threads);
-  const std::vector<std::uint32_t>& counts = measure.ProperTriangles;
-  std::vector<std::uint32_t> indices(3 * measure.CountProperTriangles());
+  const std::vector<std::uint32_t> counts = MeasureTriangles(surface, threads).ProperTriangles;
   // Two portions: the last two thirds of the runs, and the first third.
-  const auto third = static_cast<std::ptrdiff_t>(counts.size() / 3);
-  const auto place = 3 * std::accumulate(counts.begin(), counts.begin() + third, std::size_t{ 0 });
-  const auto firsts = static_cast<std::size_t>(third);
-  CopyProperTriangles(surface, counts, firsts, counts.size(), indices.data() + place, threads);
-  CopyProperTriangles(surface, counts, 0, firsts, indices.data(), threads);
+  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 3);
+  const std::size_t firsts = 3 * std::accumulate(counts.begin(), middle, std::size_t{ 0 });
+  std::vector<std::uint32_t> indices(
+    firsts + 3 * std::accumulate(middle, counts.end(), std::size_t{ 0 }));
+  CopyProperTriangles(
+    surface, counts, counts.size() / 3, counts.size(), indices.data() + firsts, threads);
+  CopyProperTriangles(surface, counts, 0, counts.size() / 3, indices.data(), threads);
   return indices;
 }
 
