@@ -7,6 +7,7 @@
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Ranks/Query/ProgressiveLevels.h"
 #include "Storage/Sampling/StoredBoxSource.h"
 #include "Storage/Store/StoredBlockSource.h"
 #include "Storage/Verification/VolumeRepair.h"
@@ -212,6 +213,26 @@ TEST(VolumeInPlace, CoarserLevelsAreThoseOfTheCopiedVolume)
     QueryStatistics statistics;
     ExpectReadsBack(*volume, made.Volume, level, statistics);
   }
+}
+
+TEST(VolumeInPlace, ALargeSurfaceFollowsACoarserOneSoonerThanThatOfACopyDoes)
+{
+  InPlaceDisk made({ 33, 20, 11 });
+  MemoryDisk copy;
+  WriteVolumeOk(copy, made.Volume, MakeSettings(16, 1));
+  const auto inPlace = OpenInPlace(made.Disk);
+  const auto copied = OpenInPlace(copy);
+  const double each = *copied->EstimateTriangles(0, 0, Isovalue, 0);
+  const auto isDirect = [&](BlockedVolume& volume, double triangles)
+  {
+    SurfaceQuery query;
+    query.Isovalues.assign(static_cast<std::size_t>(triangles / each), Isovalue);
+    SerialCommunicator alone;
+    return Require(IsDirectSurface(volume, query, 0, alone));
+  };
+  EXPECT_TRUE(isDirect(*inPlace, 0.9 * DirectSurfaceTrianglesInPlace));
+  EXPECT_FALSE(isDirect(*inPlace, 1.1 * DirectSurfaceTrianglesInPlace));
+  EXPECT_TRUE(isDirect(*copied, 1.1 * DirectSurfaceTrianglesInPlace));
 }
 
 TEST(VolumeInPlace, MissingChunksHaveTheFillValue)
