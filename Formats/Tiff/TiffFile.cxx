@@ -23,6 +23,8 @@ namespace
 constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 31;
 /// The maximum number of pages of a file: each takes memory, and ImageJ's one byte of the file.
 constexpr std::size_t MaximumPages = std::size_t{ 1 } << 20;
+/// The maximum number of smaller images of a page: each is half as wide, or so.
+constexpr std::size_t MaximumLevels = 31;
 /// The maximum size of a page. Four times as much is a number, too.
 constexpr std::uint64_t MaximumPageBytes = std::uint64_t{ 1 } << 60;
 /// The maximum size of the tables of libtiff's codecs.
@@ -273,6 +275,62 @@ std::array<std::int64_t, 2> TiffFile::FindUnit() const
     std::clamp<std::int64_t>(height, 1, this->Format.Height) };
 }
 
+Result<std::uint64_t> TiffFile::FindScratchBytes(const TiffFormat& format) const
+{
+  ::TIFF* tiff = this->Tiff->Tiff;
+  const tmsize_t scratch = ::TIFFIsTiled(tiff) != 0 ? ::TIFFTileSize(tiff) : ::TIFFStripSize(tiff);
+  const std::uint64_t pageBytes = static_cast<std::uint64_t>(format.Width) *
+    static_cast<std::uint64_t>(format.Height) * GetValueSize(format.Type);
+  if (scratch <= 0 || static_cast<std::uint64_t>(scratch) > 4 * pageBytes + MaximumTableSize)
+  {
+    return this->MakeError(StatusCode::Corrupt, "the size of its strips or tiles is impossible");
+  }
+  // Uncompressed and compressed.
+  return 2 * static_cast<std::uint64_t>(scratch);
+}
+
+bool TiffFile::IsOfAnotherPage() const
+{
+  const auto type = this->Tiff->Get<std::uint32_t>(TIFFTAG_SUBFILETYPE, 0);
+  return (type & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0;
+}
+
+void TiffFile::AddLevels(bool isFirst)
+{
+  std::uint16_t count = 0;
+  const std::uint64_t* directories = nullptr;
+  if (::TIFFGetField(this->Tiff->Tiff, TIFFTAG_SUBIFD, &count, &directories) != 1)
+  {
+    count = 0;
+  }
+  if (isFirst)
+  {
+    this->Levels = count <= MaximumLevels ? count : 0;
+  }
+  if (count != this->Levels)
+  {
+    this->Levels = 0;
+    this->SmallerPages.clear();
+  }
+  this->SmallerPages.insert(this->SmallerPages.end(), directories, directories + this->Levels);
+}
+
+Status TiffFile::SelectLevel(const TiffPage& first)
+{
+  if (::TIFFSetSubDirectory(this->Tiff->Tiff, first.Directory) != 1)
+  {
+    return this->MakeError(StatusCode::Corrupt, "its smaller image cannot be read");
+  }
+  const auto format = this->ReadFormat();
+  ISOSURFACE_RETURN_IF_ERROR(format.GetStatus());
+  const auto scratch = this->FindScratchBytes(*format);
+  ISOSURFACE_RETURN_IF_ERROR(scratch.GetStatus());
+  this->Format = *format;
+  this->Unit = this->FindUnit();
+  this->ScratchBytes = *scratch;
+  return Status::Ok();
+}
+
 Result<std::vector<TiffPage>> TiffFile::FindPages()
 {
   ::TIFF* tiff = this->Tiff->Tiff;
@@ -281,6 +339,10 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
   do
   {
     auto format = this->ReadFormat();
+    if (!pages.empty() && this->IsOfAnotherPage() && !(format.IsOk() && *format == this->Format))
+    {
+      continue;
+    }
     ISOSURFACE_RETURN_IF_ERROR(format.GetStatus());
     if (!pages.empty() && !(*format == this->Format))
     {
@@ -306,16 +368,10 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
       }
       lastNumber = number;
     }
-    const tmsize_t scratch =
-      ::TIFFIsTiled(tiff) != 0 ? ::TIFFTileSize(tiff) : ::TIFFStripSize(tiff);
-    const std::uint64_t pageBytes = static_cast<std::uint64_t>(format->Width) *
-      static_cast<std::uint64_t>(format->Height) * GetValueSize(format->Type);
-    if (scratch <= 0 || static_cast<std::uint64_t>(scratch) > 4 * pageBytes + MaximumTableSize)
-    {
-      return this->MakeError(StatusCode::Corrupt, "the size of its strips or tiles is impossible");
-    }
-    // Uncompressed and compressed.
-    this->ScratchBytes = std::max(this->ScratchBytes, 2 * static_cast<std::uint64_t>(scratch));
+    const auto scratch = this->FindScratchBytes(*format);
+    ISOSURFACE_RETURN_IF_ERROR(scratch.GetStatus());
+    this->ScratchBytes = std::max(this->ScratchBytes, *scratch);
+    this->AddLevels(pages.empty());
     pages.push_back({ ::TIFFCurrentDirOffset(tiff), 0 });
   } while (::TIFFReadDirectory(tiff) == 1);
   // The last directory ends the loop without an error; so does one that cannot be read, with one.
@@ -323,7 +379,9 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
   {
     return this->MakeError(StatusCode::Corrupt, "the directory of the next page cannot be read");
   }
-  return pages.size() == 1 ? this->ExpandImageJ(pages[0]) : pages;
+  auto expanded = pages.size() == 1 ? this->ExpandImageJ(pages[0]) : pages;
+  this->Levels = expanded.IsOk() && expanded->size() == pages.size() ? this->Levels : 0;
+  return expanded;
 }
 
 Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) const

@@ -49,12 +49,14 @@ struct TiffRectangle
  * bits, or floats of 32 or 64 bits; in strips or tiles; in either byte order; uncompressed or with
  * LZW, deflate, PackBits, zstd, LZMA or JPEG; up to 2^20 pages. Samples are read as they are
  * stored, the first row first, for any photometric interpretation. Also reads the files that ImageJ
- * writes beyond 4 GiB: one directory, followed by the samples of all pages.
+ * writes beyond 4 GiB: one directory, followed by the samples of all pages. A page may have smaller
+ * images of itself, as OME-TIFF has them (tag SubIFDs): these are the levels of a pyramid.
  *
  * One thread at a time may use a file. Errors name the file and the page.
  *
- * Sources: Adobe, "TIFF Revision 6.0", 1992; libtiff's documentation of BigTIFF; ImageJ's
- * ij.io.TiffEncoder for the text in ImageDescription.
+ * Sources: Adobe, "TIFF Revision 6.0", 1992, and "Adobe PageMaker 6.0 TIFF Technical Notes", 1995,
+ * for SubIFDs; libtiff's documentation of BigTIFF; ImageJ's ij.io.TiffEncoder for the text in
+ * ImageDescription; "OME-TIFF specification", section "Sub-resolutions".
  */
 class TiffFile
 {
@@ -64,9 +66,21 @@ public:
   TiffFile& operator=(const TiffFile&) = delete;
   ~TiffFile();
 
-  /// Reads the directories of all pages, in the order of the file. Unsupported if the pages have
-  /// different formats, or descending numbers (tag PageNumber).
+  /// Reads the directories of all pages, in the order of the file. Pages that are a smaller image or
+  /// the mask of another one (tag NewSubfileType), like the thumbnails of microscopes, are left out
+  /// if they have another format than the first one. Unsupported if other pages have different
+  /// formats, or descending numbers (tag PageNumber).
   Result<std::vector<TiffPage>> FindPages();
+
+  /// The number of smaller images that each page has, after FindPages(); 0 if pages differ in it.
+  std::size_t GetNumberOfLevels() const { return this->Levels; }
+  /// The `level`-th smaller image, from 1, of a page of FindPages().
+  TiffPage GetPageOfLevel(std::size_t page, std::size_t level) const
+  {
+    return { this->SmallerPages[page * this->Levels + level - 1], 0 };
+  }
+  /// Takes format, unit and scratch from a page, the first of a level. Errors: Corrupt, Unsupported.
+  Status SelectLevel(const TiffPage& first);
 
   /// The format of all pages, after FindPages() or SetFormat().
   const TiffFormat& GetFormat() const { return this->Format; }
@@ -89,6 +103,12 @@ private:
   Result<TiffFormat> ReadFormat();
   /// The unit of the current directory.
   std::array<std::int64_t, 2> FindUnit() const;
+  /// What decoding a strip or tile of the current directory takes. Errors: Corrupt.
+  Result<std::uint64_t> FindScratchBytes(const TiffFormat& format) const;
+  /// Whether the current directory is of a smaller image or a mask of another page.
+  bool IsOfAnotherPage() const;
+  /// Adds the smaller images of the current directory, which is that of a page.
+  void AddLevels(bool isFirst);
   /// The pages of a file of ImageJ, whose single directory stands for several pages.
   Result<std::vector<TiffPage>> ExpandImageJ(const TiffPage& first) const;
   Status SelectPage(const TiffPage& page);
@@ -105,7 +125,9 @@ private:
   TiffFormat Format;
   std::array<std::int64_t, 2> Unit = { 1, 1 };
   std::uint64_t ScratchBytes = 0;
-  std::vector<std::uint8_t> Scratch; ///< a strip or tile
+  std::size_t Levels = 0;
+  std::vector<std::uint64_t> SmallerPages; ///< directories: those of a page follow each other
+  std::vector<std::uint8_t> Scratch;       ///< a strip or tile
 };
 
 } // namespace isosurface

@@ -4,6 +4,8 @@
 #include "Ground/Volume/PageBuffer.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 namespace isosurface
@@ -12,11 +14,13 @@ namespace
 {
 
 constexpr std::uint64_t MaximumBytes = std::uint64_t{ 1 } << 62;
+/// Of a level, if the pages are as many: pages may be larger than the stack is high.
+constexpr std::size_t FewestSlices = 32;
 
 } // namespace
 
 Result<std::unique_ptr<TiffSource>> TiffSource::Open(
-  FileSystem& files, const std::vector<std::string>& paths)
+  FileSystem& files, const std::vector<std::string>& paths, std::int64_t vertices)
 {
   if (paths.empty())
   {
@@ -24,6 +28,8 @@ Result<std::unique_ptr<TiffSource>> TiffSource::Open(
   }
   std::unique_ptr<TiffSource> source(new TiffSource(files, paths));
   ISOSURFACE_RETURN_IF_ERROR(source->FindSlices());
+  ISOSURFACE_RETURN_IF_ERROR(source->ChooseLevel(vertices));
+  ISOSURFACE_RETURN_IF_ERROR(source->FindBox());
   return source;
 }
 
@@ -42,13 +48,97 @@ Status TiffSource::FindSlices()
     }
     this->Format = (*file)->GetFormat();
     this->ScratchBytes = std::max(this->ScratchBytes, (*file)->GetScratchBytes());
+    this->Unit = (*file)->GetUnit();
     for (const TiffPage& page : *pages)
     {
       this->Slices.push_back({ number, page });
     }
+    // Levels that not all files have are none.
+    const std::size_t levels = (*file)->GetNumberOfLevels();
+    this->SmallerSlices.resize(number == 0 ? levels : std::min(levels, this->SmallerSlices.size()));
+    for (std::size_t level = 0; level < this->SmallerSlices.size(); ++level)
+    {
+      for (std::size_t page = 0; page < pages->size(); ++page)
+      {
+        this->SmallerSlices[level].push_back({ number, (*file)->GetPageOfLevel(page, level + 1) });
+      }
+    }
     this->Opened = std::move(*file);
     this->OpenNumber = number;
   }
+  return Status::Ok();
+}
+
+std::optional<TiffSource::PyramidLevel> TiffSource::FindLevel(std::size_t level)
+{
+  const std::vector<Slice>& slices = this->SmallerSlices[level];
+  if (!this->OpenFile(0).IsOk() || !this->Opened->SelectLevel(slices.front().Page).IsOk())
+  {
+    return std::nullopt;
+  }
+  const TiffFormat& format = this->Opened->GetFormat();
+  if (format.Type != this->Format.Type || format.Width > this->Format.Width ||
+    format.Height > this->Format.Height)
+  {
+    return std::nullopt;
+  }
+  PyramidLevel found;
+  found.Format = format;
+  const double step = static_cast<double>(this->Format.Height) / static_cast<double>(format.Height);
+  const auto every = std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(step)), 1,
+    std::max<std::size_t>(1, slices.size() / FewestSlices));
+  found.Steps = { static_cast<double>(this->Format.Width) / static_cast<double>(format.Width), step,
+    static_cast<double>(every) };
+  for (std::size_t slice = 0; slice < slices.size(); slice += every)
+  {
+    found.Slices.push_back(slices[slice]);
+  }
+  return found;
+}
+
+Status TiffSource::ChooseLevel(std::int64_t vertices)
+{
+  const auto isSmall = [vertices](const TiffFormat& format, std::size_t slices)
+  {
+    return static_cast<double>(format.Width) * static_cast<double>(format.Height) *
+      static_cast<double>(slices) <=
+      static_cast<double>(vertices);
+  };
+  std::optional<PyramidLevel> chosen;
+  if (vertices > 0 && !isSmall(this->Format, this->Slices.size()))
+  {
+    for (std::size_t level = 0; level < this->SmallerSlices.size(); ++level)
+    {
+      auto found = this->FindLevel(level);
+      if (!found)
+      {
+        break; // the levels before are there all the same
+      }
+      chosen = std::move(found);
+      this->Level = static_cast<int>(level) + 1;
+      if (isSmall(chosen->Format, chosen->Slices.size()))
+      {
+        break;
+      }
+    }
+    this->Opened = nullptr; // it reads a level, perhaps one that is not chosen
+  }
+  this->SmallerSlices = {};
+  if (chosen)
+  {
+    this->Slices = std::move(chosen->Slices);
+    this->Steps = chosen->Steps;
+    this->Format = chosen->Format;
+    ISOSURFACE_RETURN_IF_ERROR(this->OpenFile(0));
+    ISOSURFACE_RETURN_IF_ERROR(this->Opened->SelectLevel(this->Slices.front().Page));
+    this->ScratchBytes = this->Opened->GetScratchBytes();
+    this->Unit = this->Opened->GetUnit();
+  }
+  return Status::Ok();
+}
+
+Status TiffSource::FindBox()
+{
   // Sizes of boxes are products that must not wrap.
   const std::uint64_t pageBytes =
     static_cast<std::uint64_t>(this->Format.Width * this->Format.Height) *
@@ -60,7 +150,7 @@ Status TiffSource::FindSlices()
   }
   this->Box.High = { this->Format.Width, this->Format.Height,
     static_cast<std::int64_t>(this->Slices.size()) };
-  const std::array<std::int64_t, 2>& unit = this->Opened->GetUnit();
+  const std::array<std::int64_t, 2>& unit = this->Unit;
   for (std::size_t axis = 0; axis < 2; ++axis)
   {
     constexpr std::int64_t block = 32;

@@ -153,16 +153,22 @@ Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameP
   return Status::Ok();
 }
 
-Result<OpenedVolume> OpenTiff(
-  FileSystem& files, const VolumeName& name, const VolumeChoice& /*choice*/)
+Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
   const auto paths = FindTiffStack(files, name.Path);
   ISOSURFACE_RETURN_IF_ERROR(paths.GetStatus());
-  auto source = TiffSource::Open(files, *paths);
+  auto source = TiffSource::Open(files, *paths, choice.Vertices);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   OpenedVolume volume;
   const Index3 size = (*source)->GetBox().GetSize();
   volume.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
+  volume.Level = (*source)->GetLevel();
+  volume.Grid.Spacing = (*source)->GetSteps();
+  for (std::size_t axis = 0; axis < 2; ++axis)
+  {
+    // A sample of a level is in the middle of those of the page that it stands for.
+    volume.Grid.Origin[axis] = (volume.Grid.Spacing[axis] - 1) / 2;
+  }
   volume.Arrays = { { "Tiff Scalars", (*source)->GetType(), 1 } };
   volume.Source = std::move(*source);
   volume.Files = *paths;
