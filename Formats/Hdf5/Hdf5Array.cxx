@@ -40,6 +40,31 @@ hid_t GetNativeType(ValueType type)
   return H5T_NATIVE_DOUBLE;
 }
 
+/// The first chunk is checked when a dataset is opened, unless that would take long.
+constexpr std::size_t MostCheckedBytes = std::size_t{ 16 } << 20;
+
+/// Whether chunks are no larger than the dataset may become. The library makes no others.
+bool IsLayoutPossible(const Hdf5Handle& dataset, const StoredArray::Numbers& chunk)
+{
+  const Hdf5Handle space(::H5Dget_space(dataset.Get()), ::H5Sclose);
+  std::vector<hsize_t> sizes(chunk.size());
+  std::vector<hsize_t> most(chunk.size());
+  if (::H5Sget_simple_extent_dims(space.Get(), sizes.data(), most.data()) !=
+    static_cast<int>(chunk.size()))
+  {
+    return false;
+  }
+  for (std::size_t axis = 0; axis < chunk.size(); ++axis)
+  {
+    const auto size = static_cast<hsize_t>(chunk[axis]);
+    if (sizes[axis] > 0 && most[axis] != H5S_UNLIMITED && size > most[axis])
+    {
+      return false;
+    }
+  }
+  return true;
+}
+
 } // namespace
 
 /// A dataset that is read by hyperslabs. Whole chunks of common codings are decoded beside the
@@ -73,6 +98,10 @@ public:
     {
       return Status::Ok();
     }
+    if (!IsLayoutPossible(this->Dataset, this->Chunk))
+    {
+      return this->MakeChunkError();
+    }
     const ChunkCacheSize cache =
       FindChunkCacheSize(this->Shape, this->Chunk, GetValueSize(this->Type), cacheBytes);
     const Hdf5Handle access(::H5Pcopy(this->File.Links->GetAccess()), ::H5Pclose);
@@ -87,11 +116,22 @@ public:
       return this->File.MakeError(StatusCode::Corrupt, this->ObjectPath, FindHdf5Reason());
     }
     this->Dataset = std::move(dataset);
+    this->Coding =
+      Hdf5ChunkCoding::Find(this->Dataset, plist, GetNativeType(this->Type), this->Chunk);
+    if (this->Coding && this->Coding->GetChunkBytes() <= MostCheckedBytes &&
+      this->LoadChunk(Numbers(this->Shape.size(), 0)) &&
+      this->Coding->IsOfAnotherSize(this->Stored))
+    {
+      return this->MakeChunkError();
+    }
     if (cacheBytes == 0) // somebody else keeps chunks, and reads whole ones
     {
-      this->Coding =
-        Hdf5ChunkCoding::Find(this->Dataset, plist, GetNativeType(this->Type), this->Chunk);
       this->HeldBytes += this->Coding ? 3 * this->Coding->GetChunkBytes() : 0;
+    }
+    else
+    {
+      this->Coding.reset();
+      this->Stored = {};
     }
     this->CacheBytes = cache.Bytes;
     this->HeldBytes += cache.HeldBytes;
@@ -100,10 +140,16 @@ public:
 
   Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) override
   {
-    if (this->Coding && this->Coding->IsChunk(low, size, this->Shape) && this->LoadChunk(low) &&
-      this->Coding->Decode(this->Stored, size, to))
+    if (this->Coding && this->Coding->IsChunk(low, size, this->Shape) && this->LoadChunk(low))
     {
-      return Status::Ok();
+      if (this->Coding->Decode(this->Stored, size, to))
+      {
+        return Status::Ok();
+      }
+      if (this->Coding->IsOfAnotherSize(this->Stored))
+      {
+        return this->MakeChunkError();
+      }
     }
     const Hdf5Scope scope;
     const std::vector<hsize_t> first(low.begin(), low.end());
@@ -123,6 +169,11 @@ public:
   }
 
 private:
+  Status MakeChunkError() const
+  {
+    return this->File.MakeError(
+      StatusCode::Corrupt, this->ObjectPath, "its chunks have another size than the file says");
+  }
   /// Reads a chunk as it is stored. False if there is none, or if the library has to decode it, or
   /// to say what is wrong with it.
   bool LoadChunk(const Numbers& low)

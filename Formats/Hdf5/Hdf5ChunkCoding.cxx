@@ -114,23 +114,36 @@ bool Hdf5ChunkCoding::IsChunk(const StoredArray::Numbers& low, const StoredArray
   return true;
 }
 
+std::optional<std::size_t> Hdf5ChunkCoding::Inflate(
+  const std::vector<std::uint8_t>& stored, const std::uint8_t*& bytes)
+{
+  if (!this->IsDeflated)
+  {
+    bytes = stored.data();
+    return stored.size();
+  }
+  this->Inflated.resize(this->ChunkBytes);
+  bytes = this->Inflated.data();
+  uLongf size = this->Inflated.size();
+  const int outcome = ::uncompress(this->Inflated.data(), &size, stored.data(), stored.size());
+  if (outcome == Z_BUF_ERROR) // there is no room for what follows
+  {
+    return this->ChunkBytes + 1;
+  }
+  return outcome == Z_OK ? std::optional<std::size_t>(size) : std::nullopt;
+}
+
+bool Hdf5ChunkCoding::IsOfAnotherSize(const std::vector<std::uint8_t>& stored)
+{
+  const std::uint8_t* bytes = nullptr;
+  return this->Inflate(stored, bytes).value_or(this->ChunkBytes) != this->ChunkBytes;
+}
+
 bool Hdf5ChunkCoding::Decode(
   const std::vector<std::uint8_t>& stored, const StoredArray::Numbers& size, std::uint8_t* to)
 {
-  const std::uint8_t* samples = stored.data();
-  std::size_t bytes = stored.size();
-  if (this->IsDeflated)
-  {
-    this->Inflated.resize(this->ChunkBytes);
-    uLongf inflated = this->Inflated.size();
-    if (::uncompress(this->Inflated.data(), &inflated, stored.data(), stored.size()) != Z_OK)
-    {
-      return false;
-    }
-    samples = this->Inflated.data();
-    bytes = inflated;
-  }
-  if (bytes != this->ChunkBytes)
+  const std::uint8_t* samples = nullptr;
+  if (this->Inflate(stored, samples) != this->ChunkBytes)
   {
     return false;
   }

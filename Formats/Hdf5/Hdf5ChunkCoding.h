@@ -33,8 +33,15 @@ public:
   /// fastest, without gaps. False if the bytes are not those of a chunk.
   bool Decode(
     const std::vector<std::uint8_t>& stored, const StoredArray::Numbers& size, std::uint8_t* to);
+  /// Whether `stored` is a code of more or fewer bytes than a chunk has. Of fewer, the library would
+  /// read beyond them.
+  bool IsOfAnotherSize(const std::vector<std::uint8_t>& stored);
 
 private:
+  /// Finds the bytes before the shuffle, which may be those of `stored`, and their number: one more
+  /// than a chunk has for any that is larger; nothing if they are no code.
+  std::optional<std::size_t> Inflate(
+    const std::vector<std::uint8_t>& stored, const std::uint8_t*& bytes);
   void CopyRows(
     const std::uint8_t* samples, const StoredArray::Numbers& size, std::uint8_t* to) const;
 

@@ -54,6 +54,15 @@ std::vector<std::int16_t> ReadChunks(
   return samples;
 }
 
+/// Since HDF5 2.0 files are, unless told otherwise, of later versions, with other bytes and checksums.
+void WriteOldFile(const std::string& path, hid_t plist)
+{
+  const hid_t access = ::H5Pcreate(H5P_FILE_ACCESS);
+  ::H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
+  Hdf5OnDisk(path, access).AddDataset("data", plist);
+  ::H5Pclose(access);
+}
+
 hid_t MakeChunks(const hsize_t (&chunk)[3])
 {
   const hid_t plist = ::H5Pcreate(H5P_DATASET_CREATE);
@@ -301,11 +310,7 @@ TEST(Hdf5Volume, ChunksThatWereShuffledAsValuesOfAnotherSizeAreReadAsTheLibraryD
 {
   const ScratchFolder folder;
   const std::string path = folder / "a.h5";
-  // Since HDF5 2.0 files are, unless told otherwise, of later versions, which give no name and a checksum.
-  const hid_t access = ::H5Pcreate(H5P_FILE_ACCESS);
-  ::H5Pset_libver_bounds(access, H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST);
-  Hdf5OnDisk(path, access).AddDataset("data", MakeChunks({ 4, 5, 6 }));
-  ::H5Pclose(access);
+  WriteOldFile(path, MakeChunks({ 4, 5, 6 }));
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(file), {});
   const std::size_t size = bytes.find("shuffle") + 8; // the parameter follows the name
@@ -316,4 +321,36 @@ TEST(Hdf5Volume, ChunksThatWereShuffledAsValuesOfAnotherSizeAreReadAsTheLibraryD
   const std::vector<std::int16_t> expected = ReadChunks(path, { 4, 5, 6 }, 1 << 20);
   EXPECT_NE(expected, MakeHdf5Samples());
   EXPECT_EQ(ReadChunks(path, { 4, 5, 6 }, 0), expected);
+}
+
+// The library (1.10) copies as many bytes of a chunk as its layout says, however few were inflated.
+TEST(Hdf5Volume, ChunksOfAnotherSizeThanTheFileSaysAreAnError)
+{
+  const ScratchFolder folder;
+  const hsize_t chunk[] = { 2, 3, 6 };
+  const hid_t plist = ::H5Pcreate(H5P_DATASET_CREATE);
+  ::H5Pset_chunk(plist, 3, chunk);
+  ::H5Pset_deflate(plist, 6);
+  WriteOldFile(folder / "a.h5", plist);
+  std::ifstream file(folder / "a.h5", std::ios::binary);
+  const std::string bytes{ std::istreambuf_iterator<char>(file), {} };
+  const std::uint32_t layout[] = { 2, 3, 6, 2 }; // the bytes of a sample, too
+  const std::string stored(reinterpret_cast<const char*>(layout), sizeof(layout));
+  const std::size_t place = bytes.find(stored);
+  ASSERT_NE(place, std::string::npos);
+  for (const char size : { 1, 4, 120 }) // the last one is larger than the dataset
+  {
+    std::string damaged = bytes;
+    damaged[place] = size;
+    std::ofstream(folder / "b.h5", std::ios::binary) << damaged;
+    for (const std::uint64_t cacheBytes : { 0, 1 << 20 })
+    {
+      const auto array = Hdf5File::Open(folder / "b.h5")->OpenArray("/data", cacheBytes);
+      ASSERT_FALSE(array.IsOk());
+      EXPECT_EQ(array.GetStatus().GetCode(), StatusCode::Corrupt);
+      EXPECT_EQ(array.GetStatus().GetMessage(),
+        folder / "b.h5" +
+          ":/data: cannot be read: its chunks have another size than the file says");
+    }
+  }
 }
