@@ -194,6 +194,18 @@ void EndRanks(vtkSmartPointer<vtkMPIController>& controller)
   }
 }
 
+/// Ends the process. After a failure libraries are not closed: HDF5 tries again and again to close what a
+/// damaged file has left open, and prints that.
+int End(int code)
+{
+  if (code != 0)
+  {
+    std::fflush(nullptr);
+    std::_Exit(code);
+  }
+  return 0;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -214,9 +226,9 @@ int main(int argc, char** argv)
   {
     // The threads of MPI do not follow into another process.
     EndRanks(controller);
-    return RunInSandboxAndTell(options);
+    return End(RunInSandboxAndTell(options));
   }
   const int code = RunAndTell(options, controller);
   EndRanks(controller);
-  return code;
+  return End(code);
 }
