@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From a file that nobody has indexed to a picture, beside programs that read the file first.
 
-    first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz zarr ome h5] [--isovalue V] [--no-peers] [--warm]
+    first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz zarr ome h5 tif ome.tif] [--isovalue V] [--no-peers] [--warm]
                      [--sample-only]
 
 Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, NIfTI
 (gzip 1), Zarr (blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64,
-into the folder. Then, each in a process of its own that has loaded its libraries, without the file in the
+and, if asked for, TIFF (deflate 1, tiles of 256 x 256, without or with smaller images of averages) into the
+folder. Then, each in a process of its own that has loaded its libraries, without the file in the
 system's cache (that takes root; --warm leaves it there):
 
     picture   seconds from opening the file to the first picture of the surface, that of a sample
@@ -20,8 +21,9 @@ system's cache (that takes root; --warm leaves it there):
     processor, peak memory: of all of that
 
 of Volume Reader (Any Size), Stabbing Contour and Isosurface Mapper, as ParaView's window uses them, and of
-VTK's own reader, zarr or h5py with vtkFlyingEdges3D and vtkPolyDataMapper, whose first picture is exact.
-Needs an X display, python3-h5py, python3-zarr (version 2) and the package scalable_isosurface on PYTHONPATH.
+VTK's own reader, zarr, h5py or tifffile with vtkFlyingEdges3D and vtkPolyDataMapper, whose first picture is exact.
+Needs an X display, python3-h5py, python3-zarr (version 2), for TIFF python3-tifffile, and the package
+scalable_isosurface on PYTHONPATH.
 """
 import argparse
 import gzip
@@ -52,6 +54,22 @@ def make_slabs(sides):
         ball = (4000 * numpy.sqrt(across[None] + deep)).astype("i2")
         yield first, ball + noise[:len(ball)]
         noise = numpy.roll(noise, 37, 2)
+
+
+def write_tiff(path, sides, levels):
+    """A page a slice, with so many smaller images."""
+    import numpy
+    import tifffile
+
+    layout = {"tile": (256, 256), "compression": "zlib", "compressionargs": {"level": 1}, "metadata": None}
+    with tifffile.TiffWriter(path, bigtiff=True) as file:
+        for _, samples in make_slabs(sides):
+            for page in samples:
+                file.write(page, subifds=levels, **layout)
+                for _ in range(levels):
+                    page = numpy.pad(page, [(0, side % 2) for side in page.shape], mode="edge")
+                    page = (sum(page[y::2, x::2].astype("f4") for y, x in numpy.ndindex(2, 2)) / 4).astype("i2")
+                    file.write(page, subfiletype=1, **layout)
 
 
 def write_volume(kind, folder, sides):
@@ -92,6 +110,8 @@ def write_volume(kind, folder, sides):
         array = zarr.open(path, mode="w", shape=shape, chunks=chunks, dtype="i2", compressor=codec)
         for first, samples in make_slabs(sides):
             array[first:first + len(samples)] = samples
+    elif kind.endswith("tif"):
+        write_tiff(path, sides, 4 if kind == "ome.tif" else 0)
     else:
         path = os.path.join(folder, "scan-ome.zarr")
         group = zarr.open_group(path, mode="w")
@@ -192,6 +212,10 @@ def read_first(path, isovalue):
         import h5py
 
         samples = h5py.File(path)["scan"][:]
+    elif path.endswith("tif"):
+        import tifffile
+
+        samples = tifffile.TiffFile(path).asarray(key=slice(None))
     else:
         import zarr
 

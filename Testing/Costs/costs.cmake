@@ -11,9 +11,9 @@ foreach(test IN ITEMS
     Tools.hdf5ErrorsAndLists=40
     Core.Replicas=38
     Core.DiskFaultsAtEveryOperation=36
-    Plugin.MetabufferViewShowsTheStockImageOn4Ranks=33
+    Plugin.MetabufferViewShowsTheStockImageOn3Ranks=33
     Core.DiskFaultsOfWriting=32
-    Plugin.SurfacesHaveTheStockImageOn4Ranks=31)
+    Plugin.SurfacesHaveTheStockImageOn2Ranks=31)
   string(REPLACE "=" ";" test "${test}")
   list(GET test 0 name)
   list(GET test 1 seconds)
