@@ -81,7 +81,7 @@ const std::vector<VolumeFormat>& GetFormats()
     { "Zarr", {}, {}, IsZarr, { OpenZarrVolume, ListZarr } },
     { "DICOM", { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat" },
     { "TIFF", { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat" },
-    { RawName, { ".raw" }, {}, nullptr, RawSamplesFormat },
+    { RawName, { ".raw", ".raw.gz" }, {}, nullptr, RawSamplesFormat },
   };
   return formats;
 }

@@ -2,11 +2,15 @@
 #include "Formats/Plain/RawSamples.h"
 
 #include "Formats/Plain/RawVolume.h"
+#include "Formats/Source/FileNames.h"
 #include "Formats/Source/TextFields.h"
+#include "Ground/Base/Coding.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -72,13 +76,37 @@ std::optional<RawVolume> ParseDescription(const std::string& text)
   return raw;
 }
 
+bool IsGzipName(const std::string& path)
+{
+  const std::string extension = FindExtension(path);
+  return extension.size() >= 3 && extension.compare(extension.size() - 3, 3, ".gz") == 0;
+}
+
+/// Whether a file has so many bytes of samples. A gzip stream ends with their number, without what is
+/// beyond 32 bits.
+bool HasBytes(const RandomAccessFile& file, bool isGzip, double bytes)
+{
+  if (!isGzip)
+  {
+    return static_cast<double>(file.GetSize()) == bytes;
+  }
+  std::uint8_t end[4];
+  return file.GetSize() >= sizeof(end) && bytes < std::ldexp(1.0, 63) &&
+    file.Read(file.GetSize() - sizeof(end), sizeof(end), end).IsOk() &&
+    LoadLittleEndian<std::uint32_t>(end) ==
+    static_cast<std::uint32_t>(static_cast<std::uint64_t>(bytes));
+}
+
 /// The description that a file's name has and its size confirms; "" if there is none.
 std::string FindDescription(FileSystem& files, const std::string& path)
 {
   RawVolume raw;
   std::string dimensions;
   std::string type;
-  for (const std::string& word : SplitText(std::filesystem::path(path).stem().string(), '_'))
+  const bool isGzip = IsGzipName(path);
+  const std::filesystem::path name(path);
+  const std::filesystem::path stem = isGzip ? name.stem().stem() : name.stem();
+  for (const std::string& word : SplitText(stem.string(), '_'))
   {
     dimensions = TakeDimensions(word, raw) ? word : dimensions;
     type = FindValueType(word) ? word : type;
@@ -93,7 +121,7 @@ std::string FindDescription(FileSystem& files, const std::string& path)
   const Index3 size = parsed->Grid.GetDimensions();
   const double bytes = static_cast<double>(size[0]) * static_cast<double>(size[1]) *
     static_cast<double>(size[2]) * static_cast<double>(GetValueSize(parsed->Type));
-  return static_cast<double>((*file)->GetSize()) == bytes ? description : "";
+  return HasBytes(**file, isGzip, bytes) ? description : "";
 }
 
 Result<OpenedVolume> OpenRawSamples(
@@ -108,6 +136,11 @@ Result<OpenedVolume> OpenRawSamples(
         ":512x512x300,uint16 and perhaps ,big-endian or ,header-bytes=128");
   }
   raw->Paths = { name.Path };
+  raw->IsGzip = IsGzipName(name.Path);
+  if (raw->IsGzip)
+  {
+    std::swap(raw->Offset, raw->Skip); // what is before the samples is in the stream
+  }
   return raw->OpenVolume(files);
 }
 

@@ -16,7 +16,8 @@ namespace isosurface
  *     XxYxZ,TYPE[,big-endian][,header-bytes=N]      512x512x300,uint16,header-bytes=128
  *
  * or, if that is empty, in the name of the file, which then has nothing but these samples:
- * NAME_XxYxZ_TYPE.raw, as the names of the Open SciVis Datasets are.
+ * NAME_XxYxZ_TYPE.raw, as the names of the Open SciVis Datasets are. A name with ".gz" behind is of a
+ * gzip stream of all that.
  */
 extern const FormatFunctions RawSamplesFormat;
 

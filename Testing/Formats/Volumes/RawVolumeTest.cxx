@@ -134,6 +134,37 @@ TEST(RawSamples, AreDescribedByTheNameOfTheVolumeOrOfTheFile)
   EXPECT_EQ(listed[0].Shape, "5 x 7 x 9");
 }
 
+TEST(RawSamples, InAGzipStreamAreDescribedInTheSameWay)
+{
+  MemoryDisk disk;
+  const auto volume = MakeRamp<std::uint16_t>({ 9, 7, 5 });
+  Bytes bytes = MakeBytes(volume, false);
+  WriteFile(disk, "/data/a_9x7x5_uint16.raw.gz", Deflate(bytes));
+  for (const char* name :
+    { "/data/a_9x7x5_uint16.raw.gz", "/data/a_9x7x5_uint16.raw.gz:9x7x5,uint16" })
+  {
+    ExpectSamples(*Require(OpenForeignVolume(disk, name)).Source, volume);
+  }
+  bytes.insert(bytes.begin(), 100, std::uint8_t{ 7 });
+  WriteFile(disk, "/data/b_9x7x5_uint16.raw.gz", Deflate(bytes));
+  ExpectSamples(
+    *Require(OpenForeignVolume(disk, "/data/b_9x7x5_uint16.raw.gz:9x7x5,uint16,header-bytes=100"))
+       .Source,
+    volume);
+  const auto longer = OpenForeignVolume(disk, "/data/b_9x7x5_uint16.raw.gz");
+  ASSERT_FALSE(longer.IsOk());
+  EXPECT_NE(longer.GetStatus().GetMessage().find("say what its samples are"), std::string::npos);
+  for (const std::size_t size : { 0, 3, 40 }) // no stream, and a truncated one
+  {
+    Bytes part = Deflate(bytes);
+    part.resize(size);
+    WriteFile(disk, "/data/c_9x7x5_uint16.raw.gz", part);
+    EXPECT_FALSE(OpenForeignVolume(disk, "/data/c_9x7x5_uint16.raw.gz").IsOk());
+    auto opened = OpenForeignVolume(disk, "/data/c_9x7x5_uint16.raw.gz:9x7x5,uint16");
+    EXPECT_FALSE(opened.IsOk() && opened->Source->Read(opened->Source->GetBox()).IsOk());
+  }
+}
+
 TEST(RawSamples, WithoutADescriptionAreAnErrorThatTellsHow)
 {
   MemoryDisk disk;
