@@ -7,7 +7,6 @@
 #include "Ground/Base/Coding.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -82,19 +81,17 @@ bool IsGzipName(const std::string& path)
   return extension.size() >= 3 && extension.compare(extension.size() - 3, 3, ".gz") == 0;
 }
 
-/// Whether a file has so many bytes of samples. A gzip stream ends with their number, without what is
-/// beyond 32 bits.
-bool HasBytes(const RandomAccessFile& file, bool isGzip, double bytes)
+/// Whether a file has so many bytes of samples. A gzip stream ends with the last 32 bits of their number.
+bool HasBytes(const RandomAccessFile& file, bool isGzip, std::uint64_t bytes)
 {
   if (!isGzip)
   {
-    return static_cast<double>(file.GetSize()) == bytes;
+    return file.GetSize() == bytes;
   }
   std::uint8_t end[4];
-  return file.GetSize() >= sizeof(end) && bytes < std::ldexp(1.0, 63) &&
+  return file.GetSize() >= sizeof(end) &&
     file.Read(file.GetSize() - sizeof(end), sizeof(end), end).IsOk() &&
-    LoadLittleEndian<std::uint32_t>(end) ==
-    static_cast<std::uint32_t>(static_cast<std::uint64_t>(bytes));
+    LoadLittleEndian<std::uint32_t>(end) == static_cast<std::uint32_t>(bytes);
 }
 
 /// The description that a file's name has and its size confirms; "" if there is none.
@@ -113,15 +110,9 @@ std::string FindDescription(FileSystem& files, const std::string& path)
   }
   const std::string description = dimensions + "," + type;
   const auto parsed = ParseDescription(description);
+  const auto bytes = parsed ? parsed->CountBytes() : std::nullopt;
   const auto file = files.OpenForReading(path);
-  if (!parsed || !file.IsOk())
-  {
-    return "";
-  }
-  const Index3 size = parsed->Grid.GetDimensions();
-  const double bytes = static_cast<double>(size[0]) * static_cast<double>(size[1]) *
-    static_cast<double>(size[2]) * static_cast<double>(GetValueSize(parsed->Type));
-  return HasBytes(**file, isGzip, bytes) ? description : "";
+  return bytes && file.IsOk() && HasBytes(**file, isGzip, *bytes) ? description : "";
 }
 
 Result<OpenedVolume> OpenRawSamples(

@@ -10,28 +10,12 @@
 #include "Formats/Source/SeriesFile.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 namespace isosurface
 {
 namespace
 {
-
-/// The bytes of all samples. Nothing if there are none, or more than any file can have.
-std::optional<std::uint64_t> CountBytes(const GridGeometry& grid, ValueType type)
-{
-  std::uint64_t bytes = GetValueSize(type);
-  for (const std::int64_t size : grid.GetDimensions())
-  {
-    if (size < 1 || bytes > (std::uint64_t{ 1 } << 62) / static_cast<std::uint64_t>(size))
-    {
-      return std::nullopt;
-    }
-    bytes *= static_cast<std::uint64_t>(size);
-  }
-  return bytes;
-}
 
 /// The offset after `lines` lines of text that begin at `begin`.
 Result<std::uint64_t> SkipLines(
@@ -61,6 +45,20 @@ Result<std::uint64_t> SkipLines(
 }
 
 } // namespace
+
+std::optional<std::uint64_t> RawVolume::CountBytes() const
+{
+  std::uint64_t bytes = GetValueSize(this->Type);
+  for (const std::int64_t size : this->Grid.GetDimensions())
+  {
+    if (size < 1 || bytes > (std::uint64_t{ 1 } << 62) / static_cast<std::uint64_t>(size))
+    {
+      return std::nullopt;
+    }
+    bytes *= static_cast<std::uint64_t>(size);
+  }
+  return bytes;
+}
 
 Result<RawVolume> RawVolume::ReadHeader(FileSystem& files, const std::string& path)
 {
@@ -109,7 +107,7 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
 
 Result<std::unique_ptr<BoxSource>> RawVolume::Open(FileSystem& files) const
 {
-  const auto bytes = CountBytes(this->Grid, this->Type);
+  const auto bytes = this->CountBytes();
   if (this->Paths.empty() || !bytes || this->Skip > (std::uint64_t{ 1 } << 62))
   {
     return Status(StatusCode::InvalidArgument,

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,8 @@ struct RawVolume
   std::uint64_t Skip = 0;
   std::vector<std::string> Paths;
 
+  /// The bytes of all samples. Nothing if there are none, or more than any file can have.
+  std::optional<std::uint64_t> CountBytes() const;
   /// Opens the file, or the first one of a series, and checks its size. `files` must outlive the
   /// source.
   Result<std::unique_ptr<BoxSource>> Open(FileSystem& files) const;
