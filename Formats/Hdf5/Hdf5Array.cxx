@@ -124,15 +124,12 @@ public:
     {
       return this->MakeChunkError();
     }
-    if (cacheBytes == 0) // somebody else keeps chunks, and reads whole ones
-    {
-      this->HeldBytes += this->Coding ? 3 * this->Coding->GetChunkBytes() : 0;
-    }
-    else
+    if (cacheBytes > 0) // the library decodes; else somebody keeps chunks, and reads whole ones
     {
       this->Coding.reset();
       this->Stored = {};
     }
+    this->HeldBytes += this->Coding ? 3 * this->Coding->GetChunkBytes() : 0;
     this->CacheBytes = cache.Bytes;
     this->HeldBytes += cache.HeldBytes;
     return Status::Ok();
