@@ -2,12 +2,9 @@
 #include "Formats/Tiff/TiffFile.h"
 
 #include "Formats/Source/TextFields.h"
-
-#include <tiffio.h>
+#include "Formats/Tiff/TiffHandle.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <cstring>
 #include <iterator>
 #include <optional>
@@ -27,8 +24,6 @@ constexpr std::size_t MaximumPages = std::size_t{ 1 } << 20;
 constexpr std::size_t MaximumLevels = 31;
 /// The maximum size of a page. Four times as much is a number, too.
 constexpr std::uint64_t MaximumPageBytes = std::uint64_t{ 1 } << 60;
-/// The maximum size of the tables of libtiff's codecs.
-constexpr std::uint64_t MaximumTableSize = std::uint64_t{ 64 } << 20;
 
 /// A way to compress that libtiff may know.
 struct Compression
@@ -96,101 +91,7 @@ std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std:
 
 } // namespace
 
-/// libtiff's handle, and the file that it reads.
-struct TiffFile::Handle
-{
-  std::unique_ptr<RandomAccessFile> File;
-  std::uint64_t Position = 0;
-  Status Failure;     ///< the first error of the file
-  std::string Reason; ///< the first error of libtiff
-  ::TIFF* Tiff = nullptr;
-
-  Handle() = default;
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle()
-  {
-    if (this->Tiff)
-    {
-      ::TIFFClose(this->Tiff);
-    }
-  }
-
-  Status Open();
-
-  static tmsize_t ReadBytes(thandle_t client, void* bytes, tmsize_t size)
-  {
-    auto* handle = static_cast<Handle*>(client);
-    const std::uint64_t end = handle->File->GetSize();
-    const std::uint64_t left = handle->Position < end ? end - handle->Position : 0;
-    const auto count = std::min<std::uint64_t>(static_cast<std::uint64_t>(size), left);
-    const Status status =
-      handle->File->Read(handle->Position, static_cast<std::size_t>(count), bytes);
-    if (!status.IsOk())
-    {
-      handle->Failure = handle->Failure.IsOk() ? status : handle->Failure;
-      return 0;
-    }
-    handle->Position += count;
-    return static_cast<tmsize_t>(count);
-  }
-  static tmsize_t WriteBytes(thandle_t, void*, tmsize_t) { return -1; }
-  static toff_t Seek(thandle_t client, toff_t offset, int whence)
-  {
-    auto* handle = static_cast<Handle*>(client);
-    const toff_t from = whence == SEEK_CUR ? handle->Position
-      : whence == SEEK_END                 ? handle->File->GetSize()
-                                           : 0;
-    handle->Position = from + offset;
-    return handle->Position;
-  }
-  static int Close(thandle_t) { return 0; }
-  static toff_t GetSize(thandle_t client) { return static_cast<Handle*>(client)->File->GetSize(); }
-  static int TakeError(::TIFF*, void* user, const char*, const char* format, va_list arguments)
-  {
-    auto* handle = static_cast<Handle*>(user);
-    if (handle->Reason.empty())
-    {
-      char text[256];
-      std::vsnprintf(text, sizeof(text), format, arguments);
-      handle->Reason = TrimText(text);
-    }
-    return 1;
-  }
-  static int PassWarning(::TIFF*, void*, const char*, const char*, va_list) { return 1; }
-
-  template <typename T>
-  T Get(std::uint32_t tag, T otherwise) const
-  {
-    T value = otherwise;
-    return ::TIFFGetFieldDefaulted(this->Tiff, tag, &value) == 1 ? value : otherwise;
-  }
-};
-
-Status TiffFile::Handle::Open()
-{
-  ::TIFFOpenOptions* options = ::TIFFOpenOptionsAlloc();
-  if (!options)
-  {
-    return Status(StatusCode::OutOfMemory, this->File->GetPath() + ": no memory to open it");
-  }
-  // A valid file needs no memory larger than the file, except for the tables of the codecs.
-  ::TIFFOpenOptionsSetMaxSingleMemAlloc(
-    options, static_cast<tmsize_t>(this->File->GetSize() + MaximumTableSize));
-  ::TIFFOpenOptionsSetErrorHandlerExtR(options, TakeError, this);
-  ::TIFFOpenOptionsSetWarningHandlerExtR(options, PassWarning, this);
-  // Flags: no memory mapping, no chopping of strips, their offsets read on demand.
-  this->Tiff = ::TIFFClientOpenExt(this->File->GetPath().c_str(), "rmcO", this, ReadBytes,
-    WriteBytes, Seek, Close, GetSize, nullptr, nullptr, options);
-  ::TIFFOpenOptionsFree(options);
-  ISOSURFACE_RETURN_IF_ERROR(this->Failure);
-  return this->Tiff ? Status::Ok()
-                    : Status(StatusCode::Corrupt,
-                        this->File->GetPath() + ": not a TIFF file" +
-                          (this->Reason.empty() ? "" : ": ") + this->Reason);
-}
-
-TiffFile::TiffFile(std::unique_ptr<Handle> handle)
+TiffFile::TiffFile(std::unique_ptr<TiffHandle> handle)
   : Tiff(std::move(handle))
 {
 }
@@ -201,10 +102,9 @@ Result<std::unique_ptr<TiffFile>> TiffFile::Open(FileSystem& files, const std::s
 {
   auto file = files.OpenForReading(path);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  auto handle = std::make_unique<Handle>();
-  handle->File = std::move(*file);
-  ISOSURFACE_RETURN_IF_ERROR(handle->Open());
-  return std::unique_ptr<TiffFile>(new TiffFile(std::move(handle)));
+  auto handle = TiffHandle::Open(std::move(*file));
+  ISOSURFACE_RETURN_IF_ERROR(handle.GetStatus());
+  return std::unique_ptr<TiffFile>(new TiffFile(std::move(*handle)));
 }
 
 Status TiffFile::MakeError(StatusCode code, const std::string& reason) const
@@ -221,7 +121,7 @@ Status TiffFile::MakeError(StatusCode code, const std::string& reason) const
 
 Result<TiffFormat> TiffFile::ReadFormat()
 {
-  const Handle& tiff = *this->Tiff;
+  const TiffHandle& tiff = *this->Tiff;
   const auto width = tiff.Get<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
   const auto height = tiff.Get<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
   if (width == 0 || height == 0 || width > MaximumSize || height > MaximumSize)
@@ -262,7 +162,7 @@ Result<TiffFormat> TiffFile::ReadFormat()
 
 std::array<std::int64_t, 2> TiffFile::FindUnit() const
 {
-  const Handle& tiff = *this->Tiff;
+  const TiffHandle& tiff = *this->Tiff;
   const bool isTiled = ::TIFFIsTiled(tiff.Tiff) != 0;
   const bool isPlain =
     tiff.Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) == COMPRESSION_NONE;
@@ -281,7 +181,8 @@ Result<std::uint64_t> TiffFile::FindScratchBytes(const TiffFormat& format) const
   const tmsize_t scratch = ::TIFFIsTiled(tiff) != 0 ? ::TIFFTileSize(tiff) : ::TIFFStripSize(tiff);
   const std::uint64_t pageBytes = static_cast<std::uint64_t>(format.Width) *
     static_cast<std::uint64_t>(format.Height) * GetValueSize(format.Type);
-  if (scratch <= 0 || static_cast<std::uint64_t>(scratch) > 4 * pageBytes + MaximumTableSize)
+  if (scratch <= 0 ||
+    static_cast<std::uint64_t>(scratch) > 4 * pageBytes + TiffHandle::MaximumTableSize)
   {
     return this->MakeError(StatusCode::Corrupt, "the size of its strips or tiles is impossible");
   }
@@ -315,11 +216,11 @@ void TiffFile::AddLevels(bool isFirst)
   this->SmallerPages.insert(this->SmallerPages.end(), directories, directories + this->Levels);
 }
 
-Status TiffFile::SelectLevel(const TiffPage& first)
+Status TiffFile::TakeFormat(const TiffPage& first)
 {
   if (::TIFFSetSubDirectory(this->Tiff->Tiff, first.Directory) != 1)
   {
-    return this->MakeError(StatusCode::Corrupt, "its smaller image cannot be read");
+    return this->MakeError(StatusCode::Corrupt, "its directory cannot be read");
   }
   const auto format = this->ReadFormat();
   ISOSURFACE_RETURN_IF_ERROR(format.GetStatus());

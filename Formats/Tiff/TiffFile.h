@@ -15,6 +15,8 @@
 namespace isosurface
 {
 
+struct TiffHandle;
+
 /// The format of a page of a TIFF file. All pages of a stack have the same format.
 struct TiffFormat
 {
@@ -79,8 +81,9 @@ public:
   {
     return { this->SmallerPages[page * this->Levels + level - 1], 0 };
   }
-  /// Takes format, unit and scratch from a page, the first of a level. Errors: Corrupt, Unsupported.
-  Status SelectLevel(const TiffPage& first);
+  /// Takes format, unit and scratch from a page: the first one of a level, or of the file. Errors:
+  /// Corrupt, Unsupported.
+  Status TakeFormat(const TiffPage& first);
 
   /// The format of all pages, after FindPages() or SetFormat().
   const TiffFormat& GetFormat() const { return this->Format; }
@@ -96,8 +99,7 @@ public:
   Status Read(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
 
 private:
-  struct Handle;
-  explicit TiffFile(std::unique_ptr<Handle> handle);
+  explicit TiffFile(std::unique_ptr<TiffHandle> handle);
 
   /// The format of the current directory. Errors: Corrupt, Unsupported.
   Result<TiffFormat> ReadFormat();
@@ -121,7 +123,7 @@ private:
   /// otherwise `reason`.
   Status MakeError(StatusCode code, const std::string& reason) const;
 
-  std::unique_ptr<Handle> Tiff;
+  std::unique_ptr<TiffHandle> Tiff;
   TiffFormat Format;
   std::array<std::int64_t, 2> Unit = { 1, 1 };
   std::uint64_t ScratchBytes = 0;

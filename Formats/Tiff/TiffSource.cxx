@@ -15,7 +15,7 @@ namespace
 
 constexpr std::uint64_t MaximumBytes = std::uint64_t{ 1 } << 62;
 /// Of a level, if the pages are as many: pages may be larger than the stack is high.
-constexpr std::size_t FewestSlices = 32;
+constexpr std::int64_t FewestSlices = 32;
 
 } // namespace
 
@@ -48,7 +48,6 @@ Status TiffSource::FindSlices()
     }
     this->Format = (*file)->GetFormat();
     this->ScratchBytes = std::max(this->ScratchBytes, (*file)->GetScratchBytes());
-    this->Unit = (*file)->GetUnit();
     for (const TiffPage& page : *pages)
     {
       this->Slices.push_back({ number, page });
@@ -69,71 +68,66 @@ Status TiffSource::FindSlices()
   return Status::Ok();
 }
 
-std::optional<TiffSource::PyramidLevel> TiffSource::FindLevel(std::size_t level)
+std::optional<TiffFormat> TiffSource::FindFormatOfLevel(std::size_t level)
 {
-  const std::vector<Slice>& slices = this->SmallerSlices[level];
-  if (!this->OpenFile(0).IsOk() || !this->Opened->SelectLevel(slices.front().Page).IsOk())
+  if (!this->OpenFile(0).IsOk() ||
+    !this->Opened->TakeFormat(this->SmallerSlices[level - 1].front().Page).IsOk())
   {
     return std::nullopt;
   }
-  const TiffFormat& format = this->Opened->GetFormat();
-  if (format.Type != this->Format.Type || format.Width > this->Format.Width ||
-    format.Height > this->Format.Height)
-  {
-    return std::nullopt;
-  }
-  PyramidLevel found;
-  found.Format = format;
-  const double step = static_cast<double>(this->Format.Height) / static_cast<double>(format.Height);
-  const auto every = std::clamp<std::size_t>(static_cast<std::size_t>(std::lround(step)), 1,
-    std::max<std::size_t>(1, slices.size() / FewestSlices));
-  found.Steps = { static_cast<double>(this->Format.Width) / static_cast<double>(format.Width), step,
-    static_cast<double>(every) };
-  for (std::size_t slice = 0; slice < slices.size(); slice += every)
-  {
-    found.Slices.push_back(slices[slice]);
-  }
-  return found;
+  const TiffFormat& found = this->Opened->GetFormat();
+  const bool isSmaller = found.Type == this->Format.Type && found.Width <= this->Format.Width &&
+    found.Height <= this->Format.Height;
+  return isSmaller ? std::optional(found) : std::nullopt;
 }
 
 Status TiffSource::ChooseLevel(std::int64_t vertices)
 {
-  const auto isSmall = [vertices](const TiffFormat& format, std::size_t slices)
+  const auto pages = static_cast<std::int64_t>(this->Slices.size());
+  TiffFormat format = this->Format;
+  std::int64_t every = 1; // of the pages, one is taken
+  const auto isLarge = [&]
   {
     return static_cast<double>(format.Width) * static_cast<double>(format.Height) *
-      static_cast<double>(slices) <=
+      std::ceil(static_cast<double>(pages) / static_cast<double>(every)) >
       static_cast<double>(vertices);
   };
-  std::optional<PyramidLevel> chosen;
-  if (vertices > 0 && !isSmall(this->Format, this->Slices.size()))
+  std::size_t level = 0;
+  while (vertices > 0 && level < this->SmallerSlices.size() && isLarge())
   {
-    for (std::size_t level = 0; level < this->SmallerSlices.size(); ++level)
+    const auto coarser = this->FindFormatOfLevel(level + 1);
+    if (!coarser)
     {
-      auto found = this->FindLevel(level);
-      if (!found)
-      {
-        break; // the levels before are there all the same
-      }
-      chosen = std::move(found);
-      this->Level = static_cast<int>(level) + 1;
-      if (isSmall(chosen->Format, chosen->Slices.size()))
-      {
-        break;
-      }
+      this->Opened = nullptr;
+      break; // this one is there all the same
     }
-    this->Opened = nullptr; // it reads a level, perhaps one that is not chosen
+    format = *coarser;
+    this->Steps[0] = static_cast<double>(this->Format.Width) / static_cast<double>(format.Width);
+    this->Steps[1] = static_cast<double>(this->Format.Height) / static_cast<double>(format.Height);
+    every = std::clamp<std::int64_t>(
+      std::lround(this->Steps[1]), 1, std::max<std::int64_t>(1, pages / FewestSlices));
+    this->Steps[2] = static_cast<double>(every);
+    ++level;
+  }
+  if (level > 0)
+  {
+    this->Level = static_cast<int>(level);
+    this->Slices.clear();
+    const std::vector<Slice>& ofLevel = this->SmallerSlices[level - 1];
+    for (std::int64_t page = 0; page < pages; page += every)
+    {
+      this->Slices.push_back(ofLevel[static_cast<std::size_t>(page)]);
+    }
+    this->Format = format;
   }
   this->SmallerSlices = {};
-  if (chosen)
+  if (this->Opened && level == 0)
   {
-    this->Slices = std::move(chosen->Slices);
-    this->Steps = chosen->Steps;
-    this->Format = chosen->Format;
-    ISOSURFACE_RETURN_IF_ERROR(this->OpenFile(0));
-    ISOSURFACE_RETURN_IF_ERROR(this->Opened->SelectLevel(this->Slices.front().Page));
-    this->ScratchBytes = this->Opened->GetScratchBytes();
-    this->Unit = this->Opened->GetUnit();
+    return Status::Ok(); // no other format was taken
   }
+  ISOSURFACE_RETURN_IF_ERROR(this->OpenFile(0));
+  ISOSURFACE_RETURN_IF_ERROR(this->Opened->TakeFormat(this->Slices.front().Page));
+  this->ScratchBytes = this->Opened->GetScratchBytes();
   return Status::Ok();
 }
 
@@ -150,7 +144,7 @@ Status TiffSource::FindBox()
   }
   this->Box.High = { this->Format.Width, this->Format.Height,
     static_cast<std::int64_t>(this->Slices.size()) };
-  const std::array<std::int64_t, 2>& unit = this->Unit;
+  const std::array<std::int64_t, 2>& unit = this->Opened->GetUnit();
   for (std::size_t axis = 0; axis < 2; ++axis)
   {
     constexpr std::int64_t block = 32;

@@ -52,13 +52,6 @@ private:
     std::size_t File;
     TiffPage Page;
   };
-  /// The slices of a level, and what it is.
-  struct PyramidLevel
-  {
-    std::vector<Slice> Slices;
-    TiffFormat Format;
-    std::array<double, 3> Steps;
-  };
 
   TiffSource(FileSystem& files, std::vector<std::string> paths)
     : Files(files)
@@ -67,8 +60,8 @@ private:
   }
   /// Finds the slices of all levels.
   Status FindSlices();
-  /// The slices of the level below, thinned out; nothing if they cannot be read as a level.
-  std::optional<PyramidLevel> FindLevel(std::size_t level);
+  /// The format of a level, from 1; nothing if its first page cannot be one of a smaller image.
+  std::optional<TiffFormat> FindFormatOfLevel(std::size_t level);
   /// Goes to the finest level of at most so many vertices, or the coarsest.
   Status ChooseLevel(std::int64_t vertices);
   Status FindBox();
@@ -81,7 +74,6 @@ private:
   int Level = 0;
   std::array<double, 3> Steps = { 1, 1, 1 };
   TiffFormat Format;
-  std::array<std::int64_t, 2> Unit = { 1, 1 }; ///< TiffFile::GetUnit
   VertexBox Box;
   Index3 Chunk = { 1, 1, 1 };
   std::uint64_t ScratchBytes = 0;
