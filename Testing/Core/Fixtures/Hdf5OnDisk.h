@@ -3,6 +3,7 @@
 #define isosurface_Testing_Hdf5OnDisk_h
 
 #include "Fixtures/Require.h"
+#include "Fixtures/ScratchFolder.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 
@@ -17,40 +18,8 @@
 #include <string>
 #include <vector>
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 namespace isosurface
 {
-
-/// An empty folder for a test. It ends with it.
-class ScratchFolder
-{
-public:
-  ScratchFolder()
-    : Path(testing::TempDir() + "isosurface-" +
-        testing::UnitTest::GetInstance()->current_test_info()->test_suite_name() + "-" +
-        testing::UnitTest::GetInstance()->current_test_info()->name() + "-" +
-        std::to_string(::getpid()) + "/")
-  {
-    std::filesystem::remove_all(this->Path);
-    std::filesystem::create_directories(this->Path);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() { std::filesystem::remove_all(this->Path); }
-
-  std::string operator/(const std::string& name) const { return this->Path + name; }
-  /// The path of a new FIFO: who opens it for reading waits for ever.
-  std::string MakeFifo(const std::string& name) const
-  {
-    EXPECT_EQ(::mkfifo((*this / name).c_str(), 0600), 0);
-    return *this / name;
-  }
-
-private:
-  std::string Path;
-};
 
 /// The 4 x 5 x 6 samples of every dataset that Hdf5OnDisk writes.
 inline std::vector<std::int16_t> MakeHdf5Samples()

@@ -1,143 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Fixtures/SampleFiles.h"
+#include "TiffOnDisk.h"
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Tiff/TiffSource.h"
 #include "Ground/Base/Coding.h"
 
-#include <tiffio.h>
-
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include <sys/resource.h>
-#include <unistd.h>
 
 using namespace isosurface;
 
 namespace
 {
 
-struct TiffLayout
-{
-  const char* Mode = "w"; ///< of TIFFOpen: byte order, BigTIFF
-  std::uint16_t Compression = COMPRESSION_NONE;
-  std::uint32_t RowsPerStrip = 3;
-  std::uint32_t Tile = 0; ///< instead of strips
-};
-
-/// A folder that is removed at the end of the test.
-class Folder
-{
-public:
-  Folder()
-    : Path(testing::TempDir() + "TiffSource-" +
-        testing::UnitTest::GetInstance()->current_test_info()->name() + "-" +
-        std::to_string(::getpid()))
-  {
-    std::filesystem::remove_all(this->Path);
-    std::filesystem::create_directories(this->Path);
-  }
-  ~Folder() { std::filesystem::remove_all(this->Path); }
-  std::string operator/(const std::string& name) const { return this->Path + "/" + name; }
-
-private:
-  std::string Path;
-};
-
 template <typename T>
-void SetFormat(TIFF* tiff, const Index3& size, const TiffLayout& layout)
-{
-  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(size[0]));
-  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(size[1]));
-  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, static_cast<int>(8 * sizeof(T)));
-  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
-  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-  TIFFSetField(tiff, TIFFTAG_COMPRESSION, static_cast<int>(layout.Compression));
-  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
-    std::is_floating_point_v<T> ? SAMPLEFORMAT_IEEEFP
-      : std::is_signed_v<T>     ? SAMPLEFORMAT_INT
-                                : SAMPLEFORMAT_UINT);
-}
-
-/// Writes a page: slice k of a volume.
-template <typename T>
-void WritePage(TIFF* tiff, const SampleVolume<T>& volume, std::int64_t k, const TiffLayout& layout)
-{
-  SetFormat<T>(tiff, volume.GetDimensions(), layout);
-  const auto width = static_cast<std::size_t>(volume.GetDimensions()[0]);
-  if (layout.Tile == 0)
-  {
-    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, layout.RowsPerStrip);
-    std::vector<T> row(width);
-    for (std::int64_t j = 0; j < volume.GetDimensions()[1]; ++j)
-    {
-      for (std::int64_t i = 0; i < volume.GetDimensions()[0]; ++i)
-      {
-        row[static_cast<std::size_t>(i)] = volume.At(i, j, k);
-      }
-      ASSERT_EQ(TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(j), 0), 1);
-    }
-  }
-  else
-  {
-    TIFFSetField(tiff, TIFFTAG_TILEWIDTH, layout.Tile);
-    TIFFSetField(tiff, TIFFTAG_TILELENGTH, layout.Tile);
-    const std::int64_t edge = layout.Tile;
-    for (std::int64_t y = 0; y < volume.GetDimensions()[1]; y += edge)
-    {
-      for (std::int64_t x = 0; x < volume.GetDimensions()[0]; x += edge)
-      {
-        std::vector<T> tile(static_cast<std::size_t>(edge * edge));
-        for (std::int64_t j = y; j < std::min(y + edge, volume.GetDimensions()[1]); ++j)
-        {
-          for (std::int64_t i = x; i < std::min(x + edge, volume.GetDimensions()[0]); ++i)
-          {
-            tile[static_cast<std::size_t>((j - y) * edge + i - x)] = volume.At(i, j, k);
-          }
-        }
-        ASSERT_GT(TIFFWriteTile(tiff, tile.data(), static_cast<std::uint32_t>(x),
-                    static_cast<std::uint32_t>(y), 0, 0),
-          0);
-      }
-    }
-  }
-}
-
-template <typename T>
-void WriteStack(const std::string& path, const SampleVolume<T>& volume, const TiffLayout& layout,
-  std::int64_t first, std::int64_t end)
-{
-  TIFF* tiff = TIFFOpen(path.c_str(), layout.Mode);
-  ASSERT_NE(tiff, nullptr);
-  for (std::int64_t k = first; k < end; ++k)
-  {
-    WritePage(tiff, volume, k, layout);
-    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
-  }
-  TIFFClose(tiff);
-}
-
-template <typename T>
-void WriteStack(
-  const std::string& path, const SampleVolume<T>& volume, const TiffLayout& layout = {})
-{
-  WriteStack(path, volume, layout, 0, volume.GetDimensions()[2]);
-}
-
-template <typename T>
-void ExpectStack(const std::string& path, const SampleVolume<T>& volume)
-{
-  auto file = Require(OpenForeignVolume(GetLocalFileSystem(), path));
-  EXPECT_EQ(file.Grid.GetDimensions(), volume.GetDimensions());
-  EXPECT_EQ(file.Arrays[0].Type, ValueTypeOf<T>::Value);
-  ExpectSamples(*file.Source, volume);
-}
-
-template <typename T>
-void ExpectType(const Folder& folder)
+void ExpectType(const ScratchFolder& folder)
 {
   const auto volume = MakeRamp<T>({ 21, 18, 4 });
   for (const char* mode : { "wl", "wb", "w8b" })
@@ -211,17 +91,11 @@ void ExpectRefused(const Bytes& bytes, StatusCode code, const std::string& reaso
   EXPECT_EQ(volume.GetStatus().GetMessage(), "/data/a.tif: page 1: " + reason);
 }
 
-Bytes ReadBytes(const std::string& path)
-{
-  std::ifstream file(path, std::ios::binary);
-  return Bytes{ std::istreambuf_iterator<char>(file), {} };
-}
-
 } // namespace
 
 TEST(TiffSource, ReadsEveryTypeInBothByteOrders)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   ExpectType<std::int8_t>(folder);
   ExpectType<std::uint8_t>(folder);
   ExpectType<std::int16_t>(folder);
@@ -235,7 +109,7 @@ TEST(TiffSource, ReadsEveryTypeInBothByteOrders)
 
 TEST(TiffSource, ReadsStripsAndTilesOfEveryCompression)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 37, 29, 5 });
   for (const std::uint16_t compression :
     { COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE, COMPRESSION_PACKBITS })
@@ -253,7 +127,7 @@ TEST(TiffSource, ReadsStripsAndTilesOfEveryCompression)
 
 TEST(TiffSource, ChunksAreWholeStripsAndTilesOfAPage)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 100, 90, 3 });
   const auto findChunk = [&](const TiffLayout& layout)
   {
@@ -270,7 +144,7 @@ TEST(TiffSource, ChunksAreWholeStripsAndTilesOfAPage)
 
 TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 12 });
   for (std::int64_t k = 0; k < 12; ++k)
   {
@@ -294,7 +168,7 @@ TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
 
 TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 12, 9, 6 });
   TIFF* tiff = TIFFOpen((folder / "a.tif").c_str(), "wb");
   ASSERT_NE(tiff, nullptr);
@@ -337,7 +211,7 @@ TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
 
 TEST(TiffSource, PagesOfDifferentFormatsAreAnError)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 3 });
   const auto wide = MakeRamp<std::uint8_t>({ 13, 9, 3 });
   const auto deep = MakeRamp<std::uint16_t>({ 12, 9, 3 });
@@ -361,144 +235,9 @@ TEST(TiffSource, PagesOfDifferentFormatsAreAnError)
   ExpectRefused(folder / "s?.tif", folder / "s2.tif", "differs");
 }
 
-/// Pages, all of which or the first alone have smaller images. Every second page has a slice of the first
-/// smaller volume, every fourth one of the second; the smaller images of other pages are not read.
-void WritePyramid(const std::string& path, const SampleVolume<std::int16_t>& volume,
-  const std::vector<SampleVolume<std::int16_t>>& smaller, const TiffLayout& layout,
-  bool isOnAllPages = true)
-{
-  TIFF* tiff = TIFFOpen(path.c_str(), layout.Mode);
-  ASSERT_NE(tiff, nullptr);
-  for (std::int64_t page = 0; page < volume.GetDimensions()[2]; ++page)
-  {
-    std::vector<std::uint64_t> places(smaller.size());
-    if (isOnAllPages || page == 0)
-    {
-      TIFFSetField(tiff, TIFFTAG_SUBIFD, static_cast<int>(places.size()), places.data());
-    }
-    WritePage(tiff, volume, page, layout);
-    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
-    for (std::size_t level = 0; (isOnAllPages || page == 0) && level < smaller.size(); ++level)
-    {
-      TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_REDUCEDIMAGE);
-      const std::int64_t step = std::int64_t{ 2 } << level;
-      WritePage(tiff, smaller[level], page % step == 0 ? page / step : 0, layout);
-      ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
-    }
-  }
-  TIFFClose(tiff);
-}
-
-OpenedVolume OpenLevel(const std::string& path, std::int64_t vertices)
-{
-  VolumeChoice choice;
-  choice.Vertices = vertices;
-  return Require(OpenForeignVolume(GetLocalFileSystem(), path, choice));
-}
-
-TEST(TiffSource, SmallerImagesOfPagesAreLevelsOfAPyramid)
-{
-  const Folder folder;
-  const auto volume = MakeRamp<std::int16_t>({ 40, 36, 128 });
-  const std::vector smaller = { MakeRamp<std::int16_t>({ 20, 18, 64 }),
-    MakeRamp<std::int16_t>({ 10, 9, 32 }) };
-  const std::string path = folder / "a.tif";
-  for (const TiffLayout& layout : { TiffLayout{}, TiffLayout{ "w8b", COMPRESSION_LZW, 0, 16 } })
-  {
-    WritePyramid(path, volume, smaller, layout);
-    ExpectStack(path, volume);
-    const OpenedVolume whole = OpenLevel(path, 40 * 36 * 128);
-    EXPECT_EQ(whole.Level, 0);
-    ExpectSamples(*whole.Source, volume);
-    const OpenedVolume first = OpenLevel(path, 40 * 36 * 128 - 1);
-    EXPECT_EQ(first.Level, 1);
-    EXPECT_EQ(first.Grid.Spacing, (std::array<double, 3>{ 2, 2, 2 }));
-    EXPECT_EQ(first.Grid.Origin, (std::array<double, 3>{ 0.5, 0.5, 0 }));
-    ExpectSamples(*first.Source, smaller[0]);
-    for (const std::int64_t vertices : { 20 * 18 * 64 - 1, 1 })
-    {
-      const OpenedVolume second = OpenLevel(path, vertices);
-      EXPECT_EQ(second.Level, 2);
-      EXPECT_EQ(second.Grid.Spacing, (std::array<double, 3>{ 4, 4, 4 }));
-      EXPECT_EQ(second.Grid.Origin, (std::array<double, 3>{ 1.5, 1.5, 0 }));
-      ExpectSamples(*second.Source, smaller[1]);
-    }
-  }
-  WritePyramid(path, MakeRamp<std::int16_t>({ 40, 36, 8 }), smaller, {});
-  const OpenedVolume few = OpenLevel(path, 1);
-  EXPECT_EQ(few.Grid.GetDimensions(), (Index3{ 10, 9, 8 }));
-  EXPECT_EQ(few.Grid.Spacing, (std::array<double, 3>{ 4, 4, 1 })) << "slices are not thinned out";
-  WritePyramid(path, volume, smaller, {}, false);
-  const OpenedVolume whole = OpenLevel(path, 1);
-  EXPECT_EQ(whole.Level, 0) << "not all pages have smaller images";
-  ExpectSamples(*whole.Source, volume);
-}
-
-TEST(TiffSource, DamagedSmallerImagesGiveErrorsOrSamples)
-{
-  const Folder folder;
-  const auto volume = MakeRamp<std::int16_t>({ 8, 8, 4 });
-  WritePyramid(folder / "a.tif", volume, { MakeRamp<std::int16_t>({ 4, 4, 2 }) }, {});
-  const Bytes whole = ReadBytes(folder / "a.tif");
-  int levels = 0;
-  int pages = 0;
-  int refused = 0;
-  for (std::size_t byte = 0; byte < whole.size(); ++byte)
-  {
-    for (const int change : { 1, 128, 255 })
-    {
-      Bytes damaged = whole;
-      damaged[byte] = static_cast<std::uint8_t>(damaged[byte] ^ change);
-      MemoryDisk disk;
-      WriteFile(disk, "/data/a.tif", damaged);
-      VolumeChoice choice;
-      choice.Vertices = 1;
-      auto opened = OpenForeignVolume(disk, "/data/a.tif", choice);
-      Status status = opened.GetStatus();
-      if (opened.IsOk() && opened->Source->GetBox().GetNumberOfVertices() < 10000)
-      {
-        status = opened->Source->Read(opened->Source->GetBox()).GetStatus();
-        levels += status.IsOk() && opened->Level == 1 ? 1 : 0;
-        pages += status.IsOk() && opened->Level == 0 ? 1 : 0;
-      }
-      EXPECT_TRUE(status.IsOk() || status.GetMessage().find("/data/a.tif: ") == 0)
-        << status.GetMessage();
-      refused += status.IsOk() ? 0 : 1;
-    }
-  }
-  EXPECT_GT(levels, 100);
-  EXPECT_GT(pages, 100) << "of a pyramid that cannot be read";
-  EXPECT_GT(refused, 100);
-}
-
-TEST(TiffSource, ThumbnailsAmongThePagesAreLeftOut)
-{
-  const Folder folder;
-  const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 3 });
-  TIFF* tiff = TIFFOpen((folder / "a.tif").c_str(), "w");
-  for (const std::int64_t page : { 0, 1, 2 })
-  {
-    WritePage(tiff, volume, page, {});
-    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
-    TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_REDUCEDIMAGE);
-    SetFormat<std::uint8_t>(tiff, { 4, 3, 1 }, {});
-    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 3);
-    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
-    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
-    for (std::uint32_t row = 0; row < 3; ++row)
-    {
-      std::vector<std::uint8_t> colors(12, 200);
-      ASSERT_EQ(TIFFWriteScanline(tiff, colors.data(), row, 0), 1);
-    }
-    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
-  }
-  TIFFClose(tiff);
-  ExpectStack(folder / "a.tif", volume);
-}
-
 TEST(TiffSource, ErrorsNameWhatIsNotSupported)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   TIFF* tiff = TIFFOpen((folder / "rgb.tif").c_str(), "w");
   SetFormat<std::uint8_t>(tiff, { 4, 4, 1 }, {});
   TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 3);
@@ -567,7 +306,7 @@ TEST(TiffSource, AStripThatIsNotThereTakesNoMemory)
 
 TEST(TiffSource, OnlyKnownCompressionsAreRead)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 37, 29, 2 });
   for (const int compression :
     { COMPRESSION_DEFLATE, COMPRESSION_ZSTD, COMPRESSION_LZMA, COMPRESSION_ADOBE_DEFLATE })
@@ -597,7 +336,7 @@ TEST(TiffSource, ReadsSamplesThatJpegCompresses)
   {
     GTEST_SKIP();
   }
-  const Folder folder;
+  const ScratchFolder folder;
   auto volume = MakeRamp<std::uint8_t>({ 32, 32, 2 });
   std::fill(volume.Samples.begin(), volume.Samples.end(), std::uint8_t{ 77 }); // without a loss
   WriteStack(folder / "a.tif", volume, { "w", COMPRESSION_JPEG, 16 });
@@ -606,7 +345,7 @@ TEST(TiffSource, ReadsSamplesThatJpegCompresses)
 
 TEST(TiffSource, DamagedFilesGiveErrorsOrSamples)
 {
-  const Folder folder;
+  const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 21, 18, 3 });
   std::mt19937 random(7);
   int refused = 0;
