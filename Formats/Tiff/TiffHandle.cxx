@@ -65,6 +65,8 @@ int TakeError(::TIFF*, void* user, const char*, const char* format, va_list argu
     char text[256];
     std::vsnprintf(text, sizeof(text), format, arguments);
     handle->Reason = TrimText(text);
+    const std::string path = handle->File->GetPath() + ": "; // which our own errors begin with
+    handle->Reason.erase(0, handle->Reason.rfind(path, 0) == 0 ? path.size() : 0);
   }
   return 1;
 }

@@ -258,6 +258,9 @@ TEST(TiffSource, ErrorsNameWhatIsNotSupported)
   ExpectRefused(folder / "bits.tif", folder / "bits.tif", "1 bits");
   std::ofstream(folder / "text.tif") << "not an image";
   ExpectRefused(folder / "text.tif", folder / "text.tif", "not a TIFF file");
+  std::ofstream(folder / "start.tif") << std::string("II*\0directories", 15);
+  ExpectRefused(
+    folder / "start.tif", folder / "start.tif", "start.tif: not a TIFF file: Can not read");
   ExpectRefused(folder / "none.tif", folder / "none.tif", "cannot open");
   ExpectRefused(folder / "none.xyz", folder / "none.xyz", "neither MetaImage");
 }
