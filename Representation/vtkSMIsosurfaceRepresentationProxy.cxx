@@ -72,6 +72,9 @@ void WriteCategories(vtkSMProxy* map, const std::vector<IsovalueCategory>& categ
   }
   // Nothing shows through a surface that is alone.
   vtkSMPropertyHelper(map, "EnableOpacityMapping").Set(count > 1 && isTranslucent ? 1 : 0);
+  // Else the color map's panel looks for values itself as soon as they are categories, and asks the user for
+  // them where it finds none, as on ranks without triangles.
+  vtkSMPropertyHelper(map, "AnnotationsInitialized").Set(1);
   vtkSMPropertyHelper(map, "IndexedLookup").Set(1);
   vtkSMPropertyHelper(map, "AutomaticRescaleRangeMode").Set(vtkSMTransferFunctionManager::NEVER);
   map->UpdateVTKObjects();

@@ -97,6 +97,8 @@ class IsosurfaceColors(testing.TestCase):
         image = draw(view)
         categories = read_categories(display)
         self.assertEqual([category[0] for category in categories], isovalues)
+        # Else the panel of the color map would look for values, and ask the user if a rank has none.
+        self.assertTrue(display.LookupTable.AnnotationsInitialized)
         colors = [category[2] for category in categories]
         self.assertEqual(len({tuple(color) for color in colors}), len(isovalues))
         self.check_same(image, self.draw_stock(isovalues, colors, kind))
