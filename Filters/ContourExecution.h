@@ -141,12 +141,15 @@ private:
   bool MayRefine(Communicator& ranks, bool& ofImages);
   /// Whether the last surface is of a sample at its finest level, and may have exact parts.
   bool MayGrow() const;
-  /// PrepareRefinement of such a surface: with more of what is exact.
-  Refinement PrepareGrowth(double seconds);
-  /// How many slices of what is finished it is to have, and its triangles.
-  std::int64_t ChooseFinishedSlices(std::int64_t finished, Refinement& refinement) const;
-  /// Whether it is time for so many, and there is memory.
-  bool IsGrowthDue(std::int64_t slices, Refinement& refinement);
+  /// PrepareRefinement of such a surface: with more of what is exact. Collective.
+  Refinement PrepareGrowth(Communicator& ranks, double seconds);
+  /// Begins to extract that, if it is time for it. Collective.
+  Refinement BeginGrowth(Communicator& ranks);
+  /// How many slices of what is finished it is to have, and its triangles. Collective.
+  std::int64_t ChooseFinishedSlices(
+    Communicator& ranks, std::int64_t finished, Refinement& refinement) const;
+  /// Whether it is time for so many, and there is memory. Collective.
+  bool IsGrowthDue(Communicator& ranks, std::int64_t slices, Refinement& refinement);
   /// Begins to extract a finer surface, unless it is too large. Collective.
   Status BeginRefinement(Communicator& ranks, Refinement& refinement);
   /// Begins to extract it, which takes memory and a thread; this rank alone.

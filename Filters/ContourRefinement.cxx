@@ -184,11 +184,13 @@ bool ContourExecution::MayRefine(Communicator& ranks, bool& ofImages)
 //------------------------------------------------------------------------------
 Refinement ContourExecution::PrepareRefinement(double seconds)
 {
-  if (this->MayGrow())
-  {
-    return this->PrepareGrowth(seconds);
-  }
   ControllerCommunicator ranks = this->GetRanks();
+  std::vector<std::uint64_t> grows = { this->MayGrow() ? 1U : 0U };
+  ranks.ReduceMinimum(grows);
+  if (grows.front() != 0)
+  {
+    return this->PrepareGrowth(ranks, seconds);
+  }
   bool ofImages = false;
   if (!this->MayRefine(ranks, ofImages))
   {
@@ -236,63 +238,84 @@ bool ContourExecution::MayGrow() const
 }
 
 //------------------------------------------------------------------------------
-Refinement ContourExecution::PrepareGrowth(double seconds)
+Refinement ContourExecution::PrepareGrowth(Communicator& ranks, double seconds)
 {
   Pass& pass = this->LastPass;
   Refinement& refinement = this->LastRefinement;
-  BackgroundExtraction* extraction = this->OfVolumes.GetPrepared();
-  if (!extraction)
+  BackgroundExtraction* const extraction = this->OfVolumes.GetPrepared();
+  std::vector<std::uint64_t> prepared = { extraction ? 1U : 0U };
+  ranks.ReduceMinimum(prepared);
+  if (prepared.front() == 0)
   {
-    // Asked first, so that nothing is added afterwards.
-    const bool hasEnded = pass.Finished->HasEnded();
-    const std::int64_t finished = pass.Finished->CountSlices();
-    refinement = {};
-    refinement.Stage = RefinementStage::Growing;
-    if (finished == 0)
-    {
-      refinement.Stage = hasEnded ? RefinementStage::None : RefinementStage::Growing;
-      return refinement;
-    }
-    const std::int64_t slices = this->ChooseFinishedSlices(finished, refinement);
-    if (this->IsGrowthDue(slices, refinement))
-    {
-      pass.AreShown = pass.Finished->Show();
-      pass.GrowthBegin = Clock::now();
-      if (!this->Prepare(pass.Volume.lock(), 0, slices).IsOk())
-      {
-        pass.GrowthDue = Clock::now() + std::chrono::seconds(1);
-      }
-    }
-    else if (hasEnded && finished == pass.FinishedSlices)
-    {
-      refinement.Stage = RefinementStage::None;
-    }
+    refinement = this->BeginGrowth(ranks);
     return refinement;
   }
-  if (extraction->Wait(seconds))
+  const bool isReady = extraction->Wait(seconds);
+  std::vector<std::uint64_t> all = { isReady ? 1U : 0U,
+    isReady && !extraction->GetStatus().IsOk() ? 0U : 1U };
+  ranks.ReduceMinimum(all);
+  if (all[1] == 0)
+  {
+    // The sample stays. If the source is at fault, indexing it tells.
+    this->OfVolumes.DropPrepared();
+    pass.Finished = nullptr;
+    pass.AreShown = nullptr;
+    refinement = {};
+  }
+  else if (all[0] != 0)
   {
     refinement.Stage = RefinementStage::Ready;
-    if (!extraction->GetStatus().IsOk())
+  }
+  return refinement;
+}
+
+//------------------------------------------------------------------------------
+Refinement ContourExecution::BeginGrowth(Communicator& ranks)
+{
+  Pass& pass = this->LastPass;
+  Refinement refinement;
+  this->OfVolumes.DropPrepared(); // all ranks begin, or none does
+  // Asked first, so that nothing is added afterwards.
+  const bool hasEnded = pass.Finished->HasEnded();
+  std::vector<std::uint64_t> all = { hasEnded ? 1U : 0U,
+    static_cast<std::uint64_t>(pass.Finished->CountSlices()) };
+  ranks.ReduceMinimum(all);
+  const auto finished = static_cast<std::int64_t>(all[1]);
+  if (finished == 0)
+  {
+    refinement.Stage = all[0] != 0 ? RefinementStage::None : RefinementStage::Growing;
+    return refinement;
+  }
+  refinement.Stage = RefinementStage::Growing;
+  const std::int64_t slices = this->ChooseFinishedSlices(ranks, finished, refinement);
+  if (this->IsGrowthDue(ranks, slices, refinement))
+  {
+    pass.AreShown = pass.Finished->Show();
+    pass.GrowthBegin = Clock::now();
+    if (!ranks.Agree(this->Prepare(pass.Volume.lock(), 0, slices)).IsOk())
     {
-      // The sample stays. If the source is at fault, indexing it tells.
       this->OfVolumes.DropPrepared();
-      pass.Finished = nullptr;
-      pass.AreShown = nullptr;
-      refinement = {};
+      pass.GrowthDue = Clock::now() + std::chrono::seconds(1);
     }
+  }
+  else if (all[0] != 0 && finished == pass.FinishedSlices)
+  {
+    refinement.Stage = RefinementStage::None;
   }
   return refinement;
 }
 
 //------------------------------------------------------------------------------
 std::int64_t ContourExecution::ChooseFinishedSlices(
-  std::int64_t finished, Refinement& refinement) const
+  Communicator& ranks, std::int64_t finished, Refinement& refinement) const
 {
   const Pass& pass = this->LastPass;
   const BlockedVolumeHeader& whole = pass.Finished->GetHeader();
   const auto all = static_cast<double>(whole.Grid.GetDimensions()[2] - 1);
   refinement.Share = static_cast<double>(pass.FinishedSlices) / all;
-  const auto shown = static_cast<double>(pass.Triangles);
+  std::vector<std::uint64_t> triangles = { pass.Triangles };
+  ranks.ReduceSum(triangles);
+  const auto shown = static_cast<double>(triangles.front());
   if (pass.FinishedSlices > 0)
   {
     const std::int64_t slices = std::min(finished, 2 * pass.FinishedSlices);
@@ -312,7 +335,7 @@ std::int64_t ContourExecution::ChooseFinishedSlices(
 }
 
 //------------------------------------------------------------------------------
-bool ContourExecution::IsGrowthDue(std::int64_t slices, Refinement& refinement)
+bool ContourExecution::IsGrowthDue(Communicator& ranks, std::int64_t slices, Refinement& refinement)
 {
   Pass& pass = this->LastPass;
   const Clock::time_point now = Clock::now();
@@ -321,13 +344,14 @@ bool ContourExecution::IsGrowthDue(std::int64_t slices, Refinement& refinement)
     pass.HasGrown = false;
     pass.GrowthDue = now + GrowthRest * (now - pass.GrowthBegin);
   }
-  if (slices <= pass.FinishedSlices || now < pass.GrowthDue)
-  {
-    return false;
-  }
-  refinement.Bytes = refinement.Triangles * EstimateBytesPerTriangle(pass.Request);
-  refinement.FreeBytes = static_cast<double>(this->FindFreeMemory());
-  return refinement.FreeBytes <= 0 || refinement.Bytes <= UsableMemoryShare * refinement.FreeBytes;
+  refinement.Bytes =
+    refinement.Triangles * EstimateBytesPerTriangle(pass.Request) / pass.Query.Ranks;
+  std::vector<std::uint64_t> all = { now < pass.GrowthDue ? 0U : 1U, this->FindFreeMemory() };
+  ranks.ReduceMinimum(all);
+  refinement.FreeBytes = static_cast<double>(all[1]);
+  const bool fits =
+    refinement.FreeBytes <= 0 || refinement.Bytes <= UsableMemoryShare * refinement.FreeBytes;
+  return slices > pass.FinishedSlices && all[0] != 0 && fits;
 }
 
 //------------------------------------------------------------------------------

@@ -28,7 +28,7 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   , Collector(ranks.GetSize() == 1 && this->Sample.Volume && this->Sample.Share < 1
         ? std::make_unique<SampleCollector>(this->Sample.WholeStep)
         : nullptr)
-  , Finished(ranks.GetSize() == 1 && this->Sample.Volume
+  , Finished(this->Sample.Volume
         ? std::make_shared<FinishedLayers>(files, OpenForeignVolume, this->Index.Path)
         : nullptr)
 {

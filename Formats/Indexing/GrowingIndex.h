@@ -33,7 +33,7 @@ class FinishedLayers;
  * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
  * writing it may be.
  *
- * Where there is one rank and a sample, surfaces can be extracted of what is indexed (GetFinished).
+ * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished).
  *
  * The destructor stops the writing. Then an older index stays as it was, and what is written of this
  * one is kept for the next try (WriteSourceIndex).

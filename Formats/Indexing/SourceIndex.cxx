@@ -107,9 +107,8 @@ void TellFinished(OpenedStep& step, FinishedLayers& finished)
   header.Arrays = step.Volume.Arrays;
   header.TimeSteps.emplace_back().Source = step.Settings.InPlace;
   finished.Begin(std::move(header));
-  step.Settings.WhenFinished =
-    [&finished](std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges)
-  { finished.Add(blocks, ranges); };
+  step.Settings.WhenFinished = [&finished](const std::vector<std::vector<KeyRange>>& ranges)
+  { finished.Add(ranges); };
 }
 
 } // namespace

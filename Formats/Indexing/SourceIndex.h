@@ -76,8 +76,8 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
  * as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an
  * error or stop, an older index stays as it was; what was written of this one is kept, too, and the
  * next call goes on there if the source is the same (BlockedVolumeSettings::JournalSeconds).
- * `collector`, if there is one, sees what is read of the first time step. `finished`, if there is one
- * and one rank, is told which blocks of it are finished, unless it is a copy. Cost and errors: as
+ * `collector`, if there is one, sees what is read of the first time step. `finished`, which all ranks
+ * have or none, is told which blocks of it are finished, unless it is a copy. Cost and errors: as
  * BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,

@@ -196,7 +196,7 @@ TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
   EXPECT_EQ(this->Reader->GetIndexing()[0], 0);
 }
 
-TEST_F(FirstContact, OfOneRankIsExactWhereTheFileIsIndexed)
+TEST_F(FirstContact, IsExactWhereTheFileIsIndexed)
 {
   this->Contour->Modified();
   this->Contour->AllowCoarse(1);
@@ -213,11 +213,6 @@ TEST_F(FirstContact, OfOneRankIsExactWhereTheFileIsIndexed)
     this->Contour->PrepareRefinement(1000);
     return static_cast<int>(this->Contour->GetRefinement()[0]);
   };
-  if (GetNumberOfRanks() > 1)
-  {
-    EXPECT_EQ(prepare(), 0);
-    return;
-  }
   EXPECT_EQ(prepare(), 4);
   EXPECT_EQ(prepare(), 2);
   this->Contour->Refine();

@@ -13,6 +13,7 @@
 #include "Fixtures/Require.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Formats/Indexing/GrowingIndex.h"
+#include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Verification/VolumeVerification.h"
 
@@ -156,11 +157,14 @@ TEST(MessageMemory, AnIndexThatGrowsInTheBackgroundFailsOnAllRanks)
     });
   const SourceIndex index = { source + ":60x50x70,uint8", "", folder.GetPath("source.bvol") };
   FileSystem& files = GetLocalFileSystem();
+  ControllerCommunicator all(GetRanks());
+  const auto sample = ReadSourceSample(all, files, index, {});
+  ASSERT_TRUE(sample.IsOk()) << sample.GetStatus().GetMessage();
   // Ranks that share a core wait long for each other.
   ForEachBuffer(index.Path, LongTests ? 1 : 4,
     [&](Communicator& ranks)
     {
-      GrowingIndex growing(ranks, files, index, {}, std::uint64_t{ 64 } << 20);
+      GrowingIndex growing(ranks, files, index, *sample, std::uint64_t{ 64 } << 20);
       return growing.Finish(ranks, {});
     });
   OnFirstRank(

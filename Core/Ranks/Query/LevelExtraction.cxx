@@ -116,7 +116,8 @@ Status ExtractFinished(const ExtractionTask& task, int level, ExtractionOutcome&
   const BlockedVolumeHeader& finished = task.Finished->GetHeader();
   const GridGeometry geometry = volume.GetHeader().Grid.Coarsen(level);
   const Seam seam = FindSeam(finished, task.FinishedSlices, geometry, volume.GetLines(level));
-  auto blocks = task.Finished->FindBlocks(task.Query, task.Query.Attributes, seam.Finished);
+  auto blocks = task.Finished->FindBlocks(task.Query, task.Query.Attributes, seam.Finished,
+    static_cast<std::size_t>(task.Query.Rank), static_cast<std::size_t>(task.Query.Ranks));
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   SlicedBlocks exactBlocks(**blocks, 0, seam.Finished);
   ContourRequest request = task.Request;
@@ -147,8 +148,9 @@ Status ExtractFinished(const ExtractionTask& task, int level, ExtractionOutcome&
 
 Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& outcome)
 {
-  const auto counters =
-    task.Sharing ? MakeClaimCounters(*task.Sharing, *task.Volume, task.Query) : nullptr;
+  const auto counters = task.Sharing && task.FinishedSlices == 0
+    ? MakeClaimCounters(*task.Sharing, *task.Volume, task.Query)
+    : nullptr;
   outcome.Cost.Level = level;
   outcome.Cost.Reading.ActiveBlocks = 0;
   outcome.Seconds = 0;

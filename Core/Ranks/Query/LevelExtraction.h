@@ -32,7 +32,7 @@ struct ExtractionTask
   /// call.
   Communicator* Sharing = nullptr;
   /// If given, the volume is a sample of one that is being written, of which so many slices of cells
-  /// are extracted exactly; of the sample only what lies behind them. For one rank.
+  /// are extracted exactly; of the sample only what lies behind them. Ranks do not share such blocks.
   std::shared_ptr<FinishedLayers> Finished = nullptr;
   std::int64_t FinishedSlices = 0;
 };

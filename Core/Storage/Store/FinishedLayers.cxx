@@ -130,15 +130,14 @@ void FinishedLayers::Begin(BlockedVolumeHeader header)
   this->Grid = this->Header.GetBlockGrid();
 }
 
-void FinishedLayers::Add(std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges)
+void FinishedLayers::Add(const std::vector<std::vector<KeyRange>>& ranges)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   this->Ranges.resize(ranges.size());
   for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
-    std::vector<KeyRange>& mine = this->Ranges[variable];
-    mine.insert(mine.end(), ranges[variable].begin() + static_cast<std::ptrdiff_t>(mine.size()),
-      ranges[variable].begin() + blocks);
+    this->Ranges[variable].insert(
+      this->Ranges[variable].end(), ranges[variable].begin(), ranges[variable].end());
   }
 }
 
@@ -186,8 +185,9 @@ Status FinishedLayers::OpenSamples()
   return Status::Ok();
 }
 
-Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(
-  const BlockQuery& query, const std::vector<std::size_t>& attributes, std::int64_t slices)
+Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(const BlockQuery& query,
+  const std::vector<std::size_t>& attributes, std::int64_t slices, std::size_t part,
+  std::size_t parts)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->OpenSamples());
   const std::lock_guard<std::mutex> lock(this->Mutex);
@@ -213,8 +213,10 @@ Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(
       blocks.push_back(number);
     }
   }
-  return std::unique_ptr<BlockSource>(
-    std::make_unique<Blocks>(*this, query.Variable, attributes, std::move(blocks)));
+  const auto find = [&](std::size_t first)
+  { return blocks.begin() + static_cast<std::ptrdiff_t>(blocks.size() * first / parts); };
+  return std::unique_ptr<BlockSource>(std::make_unique<Blocks>(
+    *this, query.Variable, attributes, std::vector<std::int64_t>(find(part), find(part + 1))));
 }
 
 } // namespace isosurface

@@ -42,8 +42,8 @@ public:
 
   /// The volume, with a time step in place, before its first block is added.
   void Begin(BlockedVolumeHeader header);
-  /// So many blocks are finished, from the first one on. ranges[variable][block] are theirs.
-  void Add(std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges);
+  /// The next blocks are finished. ranges[variable][n] is that of the n-th of them.
+  void Add(const std::vector<std::vector<KeyRange>>& ranges);
   /// Nothing is added any more.
   void End() { this->IsEnded = true; }
 
@@ -55,10 +55,12 @@ public:
   std::int64_t CountSlices() const;
   /// The volume; known as soon as there are slices.
   const BlockedVolumeHeader& GetHeader() const { return this->Header; }
-  /// The blocks of the first slices that a surface needs, with arrays to interpolate. The source
-  /// must not outlive this object. Errors: those of SourceSamples::Open.
-  Result<std::unique_ptr<BlockSource>> FindBlocks(
-    const BlockQuery& query, const std::vector<std::size_t>& attributes, std::int64_t slices);
+  /// The blocks of the first slices that a surface needs, with arrays to interpolate: part `part` of
+  /// `parts` of them, which have equally many. The source must not outlive this object. Errors: those
+  /// of SourceSamples::Open.
+  Result<std::unique_ptr<BlockSource>> FindBlocks(const BlockQuery& query,
+    const std::vector<std::size_t>& attributes, std::int64_t slices, std::size_t part,
+    std::size_t parts);
 
 private:
   class Blocks;

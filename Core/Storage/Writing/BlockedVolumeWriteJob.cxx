@@ -185,7 +185,7 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     {
       this->Volume->KeepJournal(this->Journal);
     }
-    if (this->Context.Size == 1 && this->Context.Settings.WhenFinished)
+    if (this->Context.Settings.WhenFinished)
     {
       this->Volume->TellFinished();
     }
@@ -211,7 +211,7 @@ std::uint64_t BlockedVolumeWriteJob::ComputeFingerprint(const BlockedVolumeHeade
   const BlockedVolumeSettings& settings = this->Context.Settings;
   const std::string text = this->Context.Path + "\n" + header.Format() + "\n" +
     std::to_string(settings.MemoryLimit) + (settings.Publish ? "" : "\n") +
-    (settings.JournalSeconds ? "\n" : "");
+    (settings.JournalSeconds ? "\n" : "") + (settings.WhenFinished ? "\nwhen finished" : "");
   return ComputeChecksum(text.data(), text.size());
 }
 

@@ -62,10 +62,10 @@ struct BlockedVolumeSettings
   /// Called on the first rank, before anything is written, if the disk has not the room that the
   /// samples take uncompressed.
   std::function<void(const std::string& warning)> Warn;
-  /// Called where one rank writes, by its writing thread: so many blocks of the volume are finished,
-  /// from the first one on, and ranges[variable][block] are their value ranges (FinishedLayers).
-  std::function<void(std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges)>
-    WhenFinished;
+  /// Called on each rank by its writing thread: the next blocks of the volume are finished, whichever
+  /// rank has written them. ranges[variable][n] is the value range of the n-th of these blocks
+  /// (FinishedLayers).
+  std::function<void(const std::vector<std::vector<KeyRange>>& ranges)> WhenFinished;
   /// Bytes that a rank may take, besides those that its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
   int Threads = 0; ///< 0: this rank's share of the node's cores

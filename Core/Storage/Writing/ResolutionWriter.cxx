@@ -427,7 +427,7 @@ Status ResolutionWriter::WriteBlocks()
   {
     if (this->TellsFinished)
     {
-      this->Context.Settings.WhenFinished(blocks, this->Counts->GetRanges());
+      ISOSURFACE_RETURN_IF_ERROR(this->TellBlocks(blocks));
     }
     if (!this->Journal || !this->IsCheckpointDue(blocks, isStopping))
     {
@@ -450,6 +450,36 @@ Status ResolutionWriter::WriteBlocks()
   return status.GetCode() == StatusCode::Aborted
     ? status
     : Status(status.GetCode(), this->Context.Path + ": cannot be written: " + status.GetMessage());
+}
+
+/// Tells that the first `blocks` blocks are finished. A rank knows the ranges of those alone that it
+/// writes. Collective.
+Status ResolutionWriter::TellBlocks(std::int64_t blocks)
+{
+  std::vector<std::vector<KeyRange>> ranges;
+  CommonRanges common;
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+    [&]
+    {
+      for (const std::vector<KeyRange>& all : this->Counts->GetRanges())
+      {
+        ranges.emplace_back(all.begin() + this->ToldBlocks, all.begin() + blocks);
+      }
+      for (std::vector<KeyRange>& ofVariable : ranges)
+      {
+        std::for_each(
+          ofVariable.begin(), ofVariable.end(), [&](KeyRange& range) { common.Add(range); });
+      }
+      return Status::Ok();
+    })));
+  common.Join(this->Context.Ranks);
+  this->ToldBlocks = blocks;
+  return this->Context.AgreeOn(this->Context.Attempt(
+    [&]
+    {
+      this->Context.Settings.WhenFinished(ranges);
+      return Status::Ok();
+    }));
 }
 
 /// Joins the ranges of the finite values of all ranks, which decide the bins of all spectra.

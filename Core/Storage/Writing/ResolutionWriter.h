@@ -105,6 +105,7 @@ private:
   Status MakeCheckpoint(std::int64_t blocks);
   Status AddCheckpoints(std::int64_t number);
   void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views, int thread);
+  Status TellBlocks(std::int64_t blocks);
   void ShareRanges();
   Status FinishStores();
   Status ShareDescriptions();
@@ -131,6 +132,7 @@ private:
   std::map<std::uint32_t, OpenStore> Stores; ///< those of this rank
   WriteJournal* Journal = nullptr;
   bool TellsFinished = false;
+  std::int64_t ToldBlocks = 0;      ///< how many blocks were told to be finished
   Clock::time_point Begin;          ///< of Write()
   Clock::time_point LastCheckpoint; ///< or Begin
   WriteStatistics Statistics;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The surface of a file while it is indexed: exact where it is indexed, behind that of a sample.
-#include "ScratchFolder.h"
-#include "TestVolumes.h"
+// The surface of a file while it is indexed: exact where it is indexed, behind that of a sample. On any
+// number of ranks.
+#include "ControllerCommunicator.h"
+#include "ParallelVolumes.h"
 
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkBlockedVolumeReader.h"
@@ -14,7 +15,6 @@
 #include "vtkPolyData.h"
 
 #include "Formats/Opener/ForeignVolume.h"
-#include "Ground/Base/Communicator.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
@@ -85,11 +85,15 @@ protected:
 
   GrowingSurface()
   {
-    const int* size = this->Image->GetDimensions();
-    std::ofstream(this->Source, std::ios::binary)
-      .write(static_cast<const char*>(this->Image->GetScalarPointer()),
-        static_cast<std::streamsize>(2) * size[0] * size[1] * size[2]);
-    WriteVolume(this->Sample, this->Folder.GetPath("sample.bvol"));
+    OnFirstRank(
+      [&]
+      {
+        const int* size = this->Image->GetDimensions();
+        std::ofstream(this->Source, std::ios::binary)
+          .write(static_cast<const char*>(this->Image->GetScalarPointer()),
+            static_cast<std::streamsize>(2) * size[0] * size[1] * size[2]);
+        WriteVolume(this->Sample, this->Folder.GetPath("sample.bvol"));
+      });
     this->WriteIndex();
     this->Reader->Show(this->Folder.GetPath("sample.bvol"), this->Finished);
   }
@@ -105,12 +109,11 @@ protected:
     settings.Distribution = DistributionMethod::Slab;
     settings.InPlace = *DescribeSource(
       files, OpenForeignVolume, this->Index, this->Source, {}, volume->Grid, volume->Arrays);
-    settings.WhenFinished = [&](
-                              std::int64_t blocks, const std::vector<std::vector<KeyRange>>& ranges)
+    settings.WhenFinished = [&](const std::vector<std::vector<KeyRange>>& ranges)
     {
-      EXPECT_GT(blocks, this->Blocks);
-      this->Blocks = blocks;
-      this->Ranges = ranges;
+      ASSERT_EQ(ranges.size(), 1u);
+      EXPECT_GT(ranges.front().size(), 0u);
+      this->Ranges.insert(this->Ranges.end(), ranges.front().begin(), ranges.front().end());
     };
     BlockedVolumeHeader header;
     header.Grid = volume->Grid;
@@ -119,23 +122,36 @@ protected:
     header.Arrays = volume->Arrays;
     header.TimeSteps.emplace_back().Source = settings.InPlace;
     this->Finished->Begin(header);
-    SerialCommunicator alone;
-    const auto written = BlockedVolumeWriter(alone).Write(
+    ControllerCommunicator ranks(GetRanks());
+    const auto written = BlockedVolumeWriter(ranks).Write(
       this->Index, volume->Grid, volume->Arrays, *volume->Source, settings);
     ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
-    EXPECT_EQ(this->Blocks, 6 * 5 * 7);
+    EXPECT_EQ(this->Ranges.size(), 6u * 5 * 7);
   }
 
+  /// Tells that so many blocks more are finished.
+  void Finish(std::ptrdiff_t blocks)
+  {
+    const auto begin = this->Ranges.begin() + this->Told;
+    this->Finished->Add({ { begin, begin + blocks } });
+    this->Told += blocks;
+  }
+
+  vtkPolyData* Update()
+  {
+    this->Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    return this->Contour->GetOutput();
+  }
   /// Shows a surface as a window does, up to the finest level of the sample.
   void Show()
   {
     this->Contour->AllowCoarse(1);
-    this->Contour->Update();
+    this->Update();
     this->Contour->AllowCoarse(0);
     for (int passes = 0; !this->Contour->GetFinal() && passes < 10; ++passes)
     {
       this->Contour->Refine();
-      this->Contour->Update();
+      this->Update();
     }
   }
   int Prepare()
@@ -159,34 +175,37 @@ protected:
   {
     EXPECT_EQ(this->PrepareToTheEnd(), Ready);
     this->Contour->Refine();
-    this->Contour->Update();
+    this->Update();
     this->Prepare(); // from now on it rests as long as it was awaited
     return this->Contour->GetOutput();
   }
 
   /// Expects the exact surface in the first slices, and that of the sample behind them.
-  void ExpectParts(vtkPolyData* surface, int slices)
+  void ExpectParts(vtkPolyData* mine, int slices)
   {
     const std::int64_t ids = 3 * static_cast<std::int64_t>(this->Image->GetNumberOfPoints());
-    const EdgeSurface exact = ToEdges(surface, 0, ids);
-    EXPECT_GT(exact.Triangles.size(), 100u);
-    EXPECT_TRUE(AreEqual(
-      exact, KeepSlices(ContourByFlyingEdges(this->Image, Isovalue), this->Image, 0, slices)));
-    const EdgeSurface behind = ToEdges(surface, ids);
-    EXPECT_TRUE(AreEqual(behind,
-      KeepSlices(ContourByFlyingEdges(this->Sample, Isovalue), this->Sample, slices / 4, 1000)));
-    EXPECT_EQ(behind.Triangles.empty(), slices > 90) << "the surface is closed";
+    const EdgeSurface exact = GatherSurface(mine, 0, ids);
+    const EdgeSurface behind = GatherSurface(mine, ids);
+    if (GetRank() == 0)
+    {
+      EXPECT_GT(exact.Triangles.size(), 100u);
+      EXPECT_TRUE(AreEqual(
+        exact, KeepSlices(ContourByFlyingEdges(this->Image, Isovalue), this->Image, 0, slices)));
+      EXPECT_TRUE(AreEqual(behind,
+        KeepSlices(ContourByFlyingEdges(this->Sample, Isovalue), this->Sample, slices / 4, 1000)));
+      EXPECT_EQ(behind.Triangles.empty(), slices > 90) << "the surface is closed";
+    }
   }
 
-  const ScratchFolder Folder;
+  const SharedFolder Folder{ "GrowingSurface" };
   const vtkSmartPointer<vtkImageData> Image = MakeClosedVolume({ 0, 90, 0, 70, 0, 100 }, VTK_SHORT);
   const vtkSmartPointer<vtkImageData> Sample = SubsampleImage(this->Image, 2);
   const std::string Source = this->Folder.GetPath("scan_91x71x101_int16.raw");
   const std::string Index = this->Folder.GetPath("scan.bvol");
   const std::shared_ptr<FinishedLayers> Finished =
     std::make_shared<FinishedLayers>(GetLocalFileSystem(), OpenForeignVolume, this->Index);
-  std::int64_t Blocks = 0;
-  std::vector<std::vector<KeyRange>> Ranges;
+  std::vector<KeyRange> Ranges; ///< of all blocks
+  std::ptrdiff_t Told = 0;      ///< of them
   const vtkNew<SampleReader> Reader;
   const vtkSmartPointer<vtkStabbingContour> Contour = MakeContour(this->Reader, Isovalue);
   const ExpectNoErrors ReaderErrors{ this->Reader };
@@ -196,28 +215,41 @@ protected:
 TEST_F(GrowingSurface, IsExactWhereTheFileIsIndexedAndThatOfTheSampleBehind)
 {
   this->Show();
-  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue));
+  ExpectSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue);
   EXPECT_EQ(this->Prepare(), Growing) << "nothing is indexed";
-  this->Finished->Add(29, this->Ranges);
+  this->Finish(29);
   EXPECT_EQ(this->Prepare(), Growing) << "a layer has 30 blocks";
-  this->Finished->Add(100, this->Ranges);
-  this->ExpectParts(this->Grow(), 48);
+  this->Finish(71);
+  vtkPolyData* mine = this->Grow();
+  this->ExpectParts(mine, 48);
+  EXPECT_GT(mine->GetNumberOfPolys(), 0) << "each rank has a part";
   EXPECT_EQ(this->Prepare(), Growing) << "nothing more is indexed";
   EXPECT_NEAR(this->Contour->GetRefinement()[5], 0.48, 1e-9);
-  this->Finished->Add(this->Blocks, this->Ranges);
+  this->Finish(110);
   this->Finished->End();
   this->ExpectParts(this->Grow(), 96); // twice as deep
-  vtkPolyData* surface = this->Grow();
-  this->ExpectParts(surface, 100);
+  mine = this->Grow();
+  this->ExpectParts(mine, 100);
   EXPECT_EQ(this->Prepare(), 0) << "it is complete";
   vtkSmartPointer<vtkStabbingContour> ofIndex = MakeContour(MakeReader(this->Index), Isovalue);
-  ofIndex->Update();
-  EXPECT_TRUE(AreEqual(ToEdges(surface), ToEdges(ofIndex->GetOutput())));
+  ofIndex->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  const EdgeSurface grown = GatherSurface(mine);
+  EXPECT_TRUE(AreEqual(grown, GatherSurface(ofIndex->GetOutput())));
+}
+
+TEST_F(GrowingSurface, WaitsForTheRankThatHasBeenToldTheLeast)
+{
+  this->Show();
+  this->Finish(GetRank() == 0 ? 0 : 100);
+  EXPECT_EQ(this->Prepare(), Growing);
+  EXPECT_EQ(this->Prepare(), Growing);
+  this->Finish(GetRank() == 0 ? 100 : 0);
+  this->ExpectParts(this->Grow(), 48);
 }
 
 TEST_F(GrowingSurface, BeginsAnewAfterAChangeAndInterpolatesArrays)
 {
-  this->Finished->Add(100, this->Ranges);
+  this->Finish(100);
   this->Show();
   this->Grow();
   const char* const array = "density";
@@ -225,30 +257,29 @@ TEST_F(GrowingSurface, BeginsAnewAfterAChangeAndInterpolatesArrays)
   this->Contour->ComputeScalarsOff();
   this->Contour->AddInterpolatedArray(array);
   this->Show();
-  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, 30.5));
-  vtkPolyData* surface = this->Grow();
-  EXPECT_GT(surface->GetNumberOfPolys(), 1000);
+  ExpectSurfaceOf(this->Contour->GetOutput(), this->Sample, 30.5);
+  vtkPolyData* mine = this->Grow();
+  EXPECT_GT(mine->GetNumberOfPolys(), 100);
   double range[2];
-  surface->GetPointData()->GetArray(array)->GetRange(range);
+  mine->GetPointData()->GetArray(array)->GetRange(range);
   EXPECT_NEAR(range[0], 30.5, 1e-4);
   EXPECT_NEAR(range[1], 30.5, 1e-4);
 }
 
 TEST_F(GrowingSurface, StaysThatOfTheSampleForWhomeverTheWindowDoesNotAskFor)
 {
-  this->Finished->Add(100, this->Ranges);
-  this->Contour->Update();
-  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue));
+  this->Finish(100);
+  ExpectSurfaceOf(this->Update(), this->Sample, Isovalue);
   EXPECT_EQ(this->Prepare(), 0);
 }
 
-TEST_F(GrowingSurface, StaysAsItIsWhenTheSourceIsChanged)
+TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheSourceIsChanged)
 {
   this->Show();
-  std::ofstream(this->Source, std::ios::binary) << "something else";
-  this->Finished->Add(100, this->Ranges);
+  OnFirstRank([&] { std::ofstream(this->Source, std::ios::binary) << "something else"; });
+  this->Finish(100);
   EXPECT_EQ(this->PrepareToTheEnd(), 0);
-  EXPECT_TRUE(IsSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue));
+  ExpectSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue);
 }
 
 } // namespace
