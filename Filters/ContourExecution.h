@@ -103,6 +103,7 @@ private:
     Clock::time_point GrowthBegin;            ///< when extracting it began
     Clock::time_point GrowthDue;              ///< before which the next one does not begin
     bool HasGrown = false;                    ///< whether GrowthDue is to be found
+    bool GrowthEnded = false;                 ///< whether an extraction has failed on any rank
     std::string Sampled; ///< the volume until whose finer surface this one may stay; or empty
     bool Stays = false;  ///< whether the surface of the pass before is shown
   };

@@ -233,8 +233,8 @@ Refinement ContourExecution::PrepareRefinement(double seconds)
 bool ContourExecution::MayGrow() const
 {
   const Pass& pass = this->LastPass;
-  return pass.Finished && pass.Level == 0 && pass.Shown && pass.Time == this->Contour.GetMTime() &&
-    !pass.Volume.expired();
+  return pass.Finished && !pass.GrowthEnded && pass.Level == 0 && pass.Shown &&
+    pass.Time == this->Contour.GetMTime() && !pass.Volume.expired();
 }
 
 //------------------------------------------------------------------------------
@@ -256,10 +256,13 @@ Refinement ContourExecution::PrepareGrowth(Communicator& ranks, double seconds)
   ranks.ReduceMinimum(all);
   if (all[1] == 0)
   {
-    // The sample stays. If the source is at fault, indexing it tells.
+    // What is shown stays. If the source is at fault, indexing it tells.
     this->OfVolumes.DropPrepared();
-    pass.Finished = nullptr;
-    pass.AreShown = nullptr;
+    pass.GrowthEnded = true;
+    if (pass.FinishedSlices == 0)
+    {
+      pass.AreShown = nullptr;
+    }
     refinement = {};
   }
   else if (all[0] != 0)

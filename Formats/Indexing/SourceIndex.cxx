@@ -241,6 +241,19 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   for (std::size_t step = 0; step < steps; ++step)
   {
     auto opened = OpenStep(files, index, step, memoryBytes);
+    if (opened.IsOk() && finished && step == 0 && opened->Settings.InPlace)
+    {
+      const Status told = Attempt(index.Source,
+        [&]
+        {
+          TellFinished(*opened, *finished);
+          return Status::Ok();
+        });
+      if (!told.IsOk())
+      {
+        opened = told;
+      }
+    }
     const std::size_t times = opened.IsOk() ? opened->Volume.Times.size() : 0;
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(opened.GetStatus(),
       { { times, index.Source + ": the ranks see different numbers of time steps" } }));
@@ -249,10 +262,6 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
     if (collector && step == 0)
     {
       collector->Attach(opened->Volume);
-    }
-    if (finished && step == 0 && opened->Settings.InPlace)
-    {
-      TellFinished(*opened, *finished);
     }
     opened->Settings.Publish = step + 1 == steps;
     const Progress tell = [&](double share) {

@@ -17,12 +17,14 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
+#include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -88,44 +90,71 @@ protected:
     OnFirstRank(
       [&]
       {
-        const int* size = this->Image->GetDimensions();
-        std::ofstream(this->Source, std::ios::binary)
-          .write(static_cast<const char*>(this->Image->GetScalarPointer()),
-            static_cast<std::streamsize>(2) * size[0] * size[1] * size[2]);
+        this->WriteSamples(this->Source);
+        this->WriteSamples(this->OtherSource);
         WriteVolume(this->Sample, this->Folder.GetPath("sample.bvol"));
       });
     this->WriteIndex();
     this->Reader->Show(this->Folder.GetPath("sample.bvol"), this->Finished);
   }
 
-  /// Writes the index, and keeps what is told meanwhile.
+  void WriteSamples(const std::string& path) const
+  {
+    const int* size = this->Image->GetDimensions();
+    std::ofstream(path, std::ios::binary)
+      .write(static_cast<const char*>(this->Image->GetScalarPointer()),
+        static_cast<std::streamsize>(2) * size[0] * size[1] * size[2]);
+  }
+  SourceRecord Describe(const std::string& source, const OpenedVolume& volume) const
+  {
+    return *DescribeSource(
+      GetLocalFileSystem(), OpenForeignVolume, this->Index, source, {}, volume.Grid, volume.Arrays);
+  }
+
+  /// Writes the index in several rounds, goes on after a stop, and keeps what is told then.
   void WriteIndex()
   {
-    FileSystem& files = GetLocalFileSystem();
-    auto volume = OpenForeignVolume(files, this->Source, {});
+    auto volume = OpenForeignVolume(GetLocalFileSystem(), this->Source, {});
     ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
     BlockedVolumeSettings settings;
     settings.BlockSize = 16;
     settings.Distribution = DistributionMethod::Slab;
-    settings.InPlace = *DescribeSource(
-      files, OpenForeignVolume, this->Index, this->Source, {}, volume->Grid, volume->Arrays);
+    settings.InPlace = this->Describe(this->Source, *volume);
+    settings.JournalSeconds = 0;
+    settings.MemoryLimit = std::uint64_t{ 2 } << 20;
+    settings.Threads = 1;
+    int rounds = 0;
     settings.WhenFinished = [&](const std::vector<std::vector<KeyRange>>& ranges)
     {
       ASSERT_EQ(ranges.size(), 1u);
       EXPECT_GT(ranges.front().size(), 0u);
       this->Ranges.insert(this->Ranges.end(), ranges.front().begin(), ranges.front().end());
+      ++rounds;
     };
     BlockedVolumeHeader header;
     header.Grid = volume->Grid;
     header.BlockSize = 16;
     header.NumberOfLevels = 1;
     header.Arrays = volume->Arrays;
-    header.TimeSteps.emplace_back().Source = settings.InPlace;
+    const bool isLast = GetRank() == GetNumberOfRanks() - 1;
+    header.TimeSteps.emplace_back().Source =
+      this->Describe(isLast ? this->OtherSource : this->Source, *volume);
     this->Finished->Begin(header);
     ControllerCommunicator ranks(GetRanks());
-    const auto written = BlockedVolumeWriter(ranks).Write(
-      this->Index, volume->Grid, volume->Arrays, *volume->Source, settings);
-    ASSERT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+    const auto write = [&](double end)
+    {
+      this->Ranges.clear();
+      rounds = 0;
+      return BlockedVolumeWriter(ranks)
+        .Write(this->Index, volume->Grid, volume->Arrays, *volume->Source, settings,
+          [end](double share) { return share < end; })
+        .GetStatus();
+    };
+    EXPECT_EQ(write(0.5).GetCode(), StatusCode::Aborted);
+    EXPECT_LT(this->Ranges.size(), 6u * 5 * 7);
+    const Status written = write(2);
+    EXPECT_TRUE(written.IsOk()) << written.GetMessage();
+    EXPECT_GT(rounds, 1);
     EXPECT_EQ(this->Ranges.size(), 6u * 5 * 7);
   }
 
@@ -201,6 +230,8 @@ protected:
   const vtkSmartPointer<vtkImageData> Image = MakeClosedVolume({ 0, 90, 0, 70, 0, 100 }, VTK_SHORT);
   const vtkSmartPointer<vtkImageData> Sample = SubsampleImage(this->Image, 2);
   const std::string Source = this->Folder.GetPath("scan_91x71x101_int16.raw");
+  const std::string OtherSource =
+    this->Folder.GetPath("other_91x71x101_int16.raw"); ///< of the last rank
   const std::string Index = this->Folder.GetPath("scan.bvol");
   const std::shared_ptr<FinishedLayers> Finished =
     std::make_shared<FinishedLayers>(GetLocalFileSystem(), OpenForeignVolume, this->Index);
@@ -276,10 +307,31 @@ TEST_F(GrowingSurface, StaysThatOfTheSampleForWhomeverTheWindowDoesNotAskFor)
 TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheSourceIsChanged)
 {
   this->Show();
-  OnFirstRank([&] { std::ofstream(this->Source, std::ios::binary) << "something else"; });
+  OnFirstRank(
+    [&]
+    {
+      std::ofstream(this->Source, std::ios::binary) << "something else";
+      std::ofstream(this->OtherSource, std::ios::binary) << "something else";
+    });
   this->Finish(100);
   EXPECT_EQ(this->PrepareToTheEnd(), 0);
   ExpectSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue);
+}
+
+TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheLastOneFailsLater)
+{
+  this->Show();
+  this->Finish(100);
+  this->Grow();
+  OnFirstRank([&] { std::filesystem::resize_file(this->OtherSource, 1000); });
+  this->Finish(110);
+  EXPECT_EQ(this->PrepareToTheEnd(), 0);
+  OnFirstRank([&] { this->WriteSamples(this->OtherSource); });
+  EXPECT_EQ(this->PrepareToTheEnd(), 0) << "it is not tried again";
+  // Each rank's piece becomes that of another rank.
+  const int ranks = GetNumberOfRanks();
+  this->Contour->UpdatePiece((GetRank() + 1) % ranks, ranks, 0);
+  this->ExpectParts(this->Contour->GetOutput(), 48);
 }
 
 } // namespace

@@ -221,6 +221,34 @@ TEST_F(FirstContact, IsExactWhereTheFileIsIndexed)
   EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
 }
 
+TEST_F(FirstContact, GrowsWhileTheFileIsIndexed)
+{
+  this->Contour->Modified();
+  this->Contour->AllowCoarse(1);
+  this->Update();
+  this->Contour->AllowCoarse(0);
+  const auto prepare = [&]
+  {
+    this->Contour->PrepareRefinement(5);
+    if (this->Contour->GetRefinement()[0] == 2)
+    {
+      this->Contour->Refine();
+      this->Update();
+    }
+  };
+  do
+  {
+    this->Reader->AdvanceIndex(5);
+    prepare();
+  } while (this->Reader->GetIndexing()[0] == 1);
+  for (int tries = 0; this->Contour->GetRefinement()[0] != 0 && tries < 10000; ++tries)
+  {
+    prepare();
+  }
+  ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
+  EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+}
+
 TEST_F(FirstContact, TheSurfaceGetsNoCoarserWhenTheIndexIsTaken)
 {
   const auto update = [&]

@@ -150,12 +150,13 @@ TEST(MessageMemory, AnIndexThatGrowsInTheBackgroundFailsOnAllRanks)
   OnFirstRank(
     [&]
     {
-      const SampleVolume<std::uint8_t> volume = MakeMessageVolume({ 60, 50, 70 });
+      // So many blocks that what a round tells of them is a large message.
+      const SampleVolume<std::uint8_t> volume = MakeMessageVolume({ 420, 330, 3 });
       std::ofstream(source, std::ios::binary)
         .write(reinterpret_cast<const char*>(volume.Samples.data()),
           static_cast<std::streamsize>(volume.Samples.size()));
     });
-  const SourceIndex index = { source + ":60x50x70,uint8", "", folder.GetPath("source.bvol") };
+  const SourceIndex index = { source + ":420x330x3,uint8", "", folder.GetPath("source.bvol") };
   FileSystem& files = GetLocalFileSystem();
   ControllerCommunicator all(GetRanks());
   const auto sample = ReadSourceSample(all, files, index, {});

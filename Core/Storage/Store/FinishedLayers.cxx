@@ -149,8 +149,10 @@ std::int64_t FinishedLayers::CountSlices() const
     return 0;
   }
   const Index3& blocks = this->Grid.GetNumberOfBlocksPerAxis();
-  const auto layers =
-    static_cast<std::int64_t>(this->Ranges.front().size()) / (blocks[0] * blocks[1]);
+  // Not all have as many if there was no memory for one.
+  const auto least = std::min_element(this->Ranges.begin(), this->Ranges.end(),
+    [](const auto& one, const auto& other) { return one.size() < other.size(); });
+  const auto layers = static_cast<std::int64_t>(least->size()) / (blocks[0] * blocks[1]);
   return std::min(layers * this->Grid.GetBlockSize(), this->Grid.GetDimensions()[2] - 1);
 }
 

@@ -27,6 +27,9 @@ constexpr double BlocksDone = 0.98;
 /// More memory does not make sorting a store's intervals faster.
 constexpr std::uint64_t MaximumTreeBytes = std::uint64_t{ 64 } << 20;
 
+/// So many blocks are told at once: after a journal was taken, all of an earlier write are told.
+constexpr std::int64_t BlocksToTell = std::int64_t{ 1 } << 16;
+
 /// The share of the time so far that passes between two checkpoints, if that is more than the
 /// settings want: so they take the less of a long write.
 constexpr double CheckpointShare = 0.1;
@@ -425,16 +428,17 @@ Status ResolutionWriter::WriteBlocks()
   steps.AfterRound = [&](std::int64_t blocks, bool isStopping,
                        const std::function<Status()>& waitUntilWritten) -> Status
   {
-    if (this->TellsFinished)
+    if (this->Journal && this->IsCheckpointDue(blocks, isStopping))
     {
-      ISOSURFACE_RETURN_IF_ERROR(this->TellBlocks(blocks));
+      ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(waitUntilWritten)));
+      ISOSURFACE_RETURN_IF_ERROR(this->MakeCheckpoint(blocks));
     }
-    if (!this->Journal || !this->IsCheckpointDue(blocks, isStopping))
+    while (this->TellsFinished && !isStopping && this->ToldBlocks < blocks)
     {
-      return Status::Ok();
+      ISOSURFACE_RETURN_IF_ERROR(
+        this->TellBlocks(std::min(blocks, this->ToldBlocks + BlocksToTell)));
     }
-    ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(waitUntilWritten)));
-    return this->MakeCheckpoint(blocks);
+    return Status::Ok();
   };
   const double begin = this->NeedsRanges() ? RangesDone : 0;
   steps.Tell = [&](double share) { return this->TellShare(begin + (BlocksDone - begin) * share); };
@@ -452,7 +456,7 @@ Status ResolutionWriter::WriteBlocks()
     : Status(status.GetCode(), this->Context.Path + ": cannot be written: " + status.GetMessage());
 }
 
-/// Tells that the first `blocks` blocks are finished. A rank knows the ranges of those alone that it
+/// Tells that the first `blocks` blocks are finished, as far as that was not told. A rank knows the ranges of those alone that it
 /// writes. Collective.
 Status ResolutionWriter::TellBlocks(std::int64_t blocks)
 {
