@@ -8,10 +8,14 @@
 
 #include "vtkDataArray.h"
 #include "vtkInformation.h"
+#include "vtkInformationInformationVectorKey.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUnsignedCharArray.h"
 #include "vtkVersionMacros.h"
+
+#include <algorithm>
 
 using namespace isosurface;
 
@@ -80,6 +84,26 @@ TEST(BlockedVolumeReader, TellsRangesOfTheVolumeThroughItsAttributesToo)
 }
 
 #endif
+
+TEST(BlockedVolumeReader, TellsRangesOfGhostsWithoutALookAtThem)
+{
+  const ScratchVolume volume(MakeLargeImage(), { 32, 4 });
+  const auto reader = MakeReader(volume.Path);
+  const auto blocks = ReadPiece(reader, 1, 2);
+  vtkDataSet* part = blocks->GetPartition(0);
+  for (vtkUnsignedCharArray* ghosts : { part->GetPointGhostArray(), part->GetCellGhostArray() })
+  {
+    ASSERT_TRUE(ghosts);
+    EXPECT_TRUE(ghosts->GetInformation()->Has(vtkDataArray::PER_COMPONENT()));
+    unsigned char* values = ghosts->GetPointer(0);
+    const auto [least, most] = std::minmax_element(values, values + ghosts->GetNumberOfValues());
+    EXPECT_GT(*most, 0);
+    double range[2];
+    ghosts->GetRange(range);
+    EXPECT_EQ(range[0], *least);
+    EXPECT_EQ(range[1], *most);
+  }
+}
 
 TEST(BlockedVolumeReader, GivesFinerLevelToPiecesThanToWhole)
 {
