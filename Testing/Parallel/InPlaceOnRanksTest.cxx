@@ -214,7 +214,12 @@ TEST_F(FirstContact, IsExactWhereTheFileIsIndexed)
     return static_cast<int>(this->Contour->GetRefinement()[0]);
   };
   EXPECT_EQ(prepare(), 4);
-  EXPECT_EQ(prepare(), 2);
+  int stage = 4;
+  for (int tries = 0; stage == 4 && tries < 100; ++tries) // ranks that share a core take long
+  {
+    stage = prepare();
+  }
+  EXPECT_EQ(stage, 2);
   this->Contour->Refine();
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
   EXPECT_EQ(prepare(), 0) << "all is exact";
