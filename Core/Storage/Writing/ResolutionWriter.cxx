@@ -11,6 +11,7 @@
 #include "Storage/Store/VolumeSpectra.h"
 #include "Storage/Writing/BlockRounds.h"
 #include "Storage/Writing/BlockShipment.h"
+#include "Storage/Writing/BlockStoreWriter.h"
 #include "Storage/Writing/StoreReplication.h"
 
 #include <algorithm>
@@ -103,7 +104,7 @@ std::uint64_t ResolutionWriter::GetTableBytes() const
   {
     mine += this->Context.IsMine(store) ? 1 : 0;
   }
-  bytes += mine * BlockStoreWriter::GetEntryBytes(this->GetSegments());
+  bytes += mine * BlockStoreWriter::GetEntryBytes(WrittenStores::CountSegments(this->Header));
   if (this->Counts)
   {
     bytes += this->Counts->GetSpectra().GetBytes();
@@ -200,103 +201,13 @@ Status ResolutionWriter::Distribute()
     }));
 }
 
-/// How many blocks before `end` each store has.
-std::vector<std::size_t> ResolutionWriter::CountBlocks(std::int64_t end) const
-{
-  std::vector<std::size_t> blocks(this->Header.NumberOfStores, 0);
-  for (std::int64_t block = 0; block < end; ++block)
-  {
-    ++blocks[this->BlockStores[static_cast<std::size_t>(block)]];
-  }
-  return blocks;
-}
-
-Status ResolutionWriter::CreateStores()
-{
-  const std::vector<std::size_t> blocks = this->CountBlocks(this->Grid.GetNumberOfBlocks());
-  for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
-  {
-    if (!this->Context.IsMine(store))
-    {
-      continue;
-    }
-    OpenStore& open = this->Stores[store];
-    auto writer = BlockStoreWriter::Create(this->Context.Files, this->GetStorePath(store),
-      this->GetSegments(), blocks[store], this->GetSamplePlace());
-    ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
-    open.Writer = std::move(*writer);
-    if (this->HasCoarser)
-    {
-      auto samples =
-        this->Context.Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), store));
-      ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-      open.OverviewSamples = std::move(*samples);
-    }
-    if (this->Journal)
-    {
-      open.Journal = std::make_unique<StoreJournal>(this->Context.Files, this->GetStorePath(store));
-    }
-  }
-  return Status::Ok();
-}
-
-/// Opens this rank's stores as the journal says.
-Status ResolutionWriter::TakeStores()
-{
-  if (this->Journal->Blocks > this->Grid.GetNumberOfBlocks())
-  {
-    return Status(StatusCode::Corrupt, "the journal has too many blocks");
-  }
-  const std::vector<std::size_t> blocks = this->CountBlocks(this->Journal->Blocks);
-  for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
-  {
-    if (this->Context.IsMine(store))
-    {
-      ISOSURFACE_RETURN_IF_ERROR(this->TakeStore(store, blocks[store]));
-    }
-  }
-  return Status::Ok();
-}
-
-Status ResolutionWriter::TakeStore(std::uint32_t store, std::size_t blocks)
-{
-  OpenStore& open = this->Stores[store];
-  FileSystem& files = this->Context.Files;
-  open.Journal = std::make_unique<StoreJournal>(files, this->GetStorePath(store));
-  std::vector<BlockDirectoryEntry> entries;
-  const auto checkpoint = open.Journal->Take(
-    this->Journal->Checkpoint, this->GetSegments(), entries, this->Counts->GetRanges());
-  ISOSURFACE_RETURN_IF_ERROR(checkpoint.GetStatus());
-  const bool isMine = std::all_of(entries.begin(), entries.end(),
-    [&](const BlockDirectoryEntry& entry)
-    { return this->BlockStores[static_cast<std::size_t>(entry.Block)] == store; });
-  if (!isMine || entries.size() != blocks ||
-    !this->Counts->GetSpectra().UnpackSums(store, checkpoint->Spectra))
-  {
-    return Status(StatusCode::Corrupt, this->GetStorePath(store) + ": its journal is of others");
-  }
-  this->Counts->AddFiniteRanges(checkpoint->FiniteRanges);
-  auto writer = BlockStoreWriter::Open(files, this->GetStorePath(store), this->GetSegments(),
-    this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
-    std::move(entries), checkpoint->BlocksBytes, checkpoint->BlocksChecksum);
-  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
-  open.Writer = std::move(*writer);
-  if (this->HasCoarser)
-  {
-    auto samples = files.OpenForAppending(
-      OverviewSource::GetPath(this->GetFolder(), store), checkpoint->OverviewBytes);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    open.OverviewSamples = std::move(*samples);
-  }
-  return Status::Ok();
-}
-
 /// Goes on with the stores as a journal says, or creates them. Collective.
 Status ResolutionWriter::OpenStores()
 {
   const auto clear = [&]
   {
-    this->Stores.clear();
+    this->Stores.emplace(
+      this->Context, this->Header, this->BlockStores, this->HasCoarser, this->Journal != nullptr);
     this->Counts.emplace(
       this->Header, this->Context.Rank, this->Context.Size, this->Context.Settings.Threads);
     return Status::Ok();
@@ -304,7 +215,8 @@ Status ResolutionWriter::OpenStores()
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(clear)));
   if (this->Journal && this->Journal->Blocks > 0)
   {
-    if (this->Context.AgreeOn(this->Context.Attempt([&] { return this->TakeStores(); })).IsOk())
+    const auto take = [&] { return this->Stores->Take(*this->Journal, *this->Counts); };
+    if (this->Context.AgreeOn(this->Context.Attempt(take)).IsOk())
     {
       return Status::Ok();
     }
@@ -312,7 +224,7 @@ Status ResolutionWriter::OpenStores()
     this->Journal->Blocks = 0;
     ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(clear)));
   }
-  return this->Context.AgreeOn(this->Context.Attempt([&] { return this->CreateStores(); }));
+  return this->Context.AgreeOn(this->Context.Attempt([&] { return this->Stores->Create(); }));
 }
 
 Status ResolutionWriter::Write()
@@ -359,8 +271,8 @@ Status ResolutionWriter::MakeCheckpoint(std::int64_t blocks)
   WriteJournal next = *this->Journal;
   next.Blocks = blocks;
   ++next.Checkpoint;
-  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(
-    this->Context.Attempt([&] { return this->AddCheckpoints(next.Checkpoint); })));
+  ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
+    [&] { return this->Stores->AddCheckpoints(next.Checkpoint, *this->Counts); })));
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
@@ -369,28 +281,6 @@ Status ResolutionWriter::MakeCheckpoint(std::int64_t blocks)
     })));
   *this->Journal = std::move(next);
   this->LastCheckpoint = Clock::now();
-  return Status::Ok();
-}
-
-/// Adds a checkpoint to the journals of this rank's stores.
-Status ResolutionWriter::AddCheckpoints(std::int64_t number)
-{
-  StoreCheckpoint checkpoint;
-  checkpoint.FiniteRanges = this->Counts->JoinFiniteRanges();
-  for (const auto& [store, open] : this->Stores)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(open.Writer->Sync());
-    checkpoint.BlocksBytes = open.Writer->GetBytes();
-    checkpoint.BlocksChecksum = open.Writer->GetChecksum();
-    if (open.OverviewSamples)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(open.OverviewSamples->Sync());
-      checkpoint.OverviewBytes = open.OverviewSamples->GetSize();
-    }
-    checkpoint.Spectra = this->Counts->GetSpectra().PackSums(store);
-    ISOSURFACE_RETURN_IF_ERROR(
-      open.Journal->Add(number, checkpoint, open.Writer->GetEntries(), this->Counts->GetRanges()));
-  }
   return Status::Ok();
 }
 
@@ -415,16 +305,7 @@ Status ResolutionWriter::WriteBlocks()
   steps.Agree = [&](const Status& mine) { return this->Context.AgreeOn(mine); };
   steps.Finish = [&](PendingBlock& block, const std::vector<SampleView>& views, int thread)
   { this->FinishBlock(block, views, thread); };
-  steps.Write = [&](const PendingBlock& block)
-  {
-    const OpenStore& store = this->Stores.at(block.Store);
-    if (store.OverviewSamples)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(
-        store.OverviewSamples->Append(block.OverviewSamples.data(), block.OverviewSamples.size()));
-    }
-    return store.Writer->Append(block);
-  };
+  steps.Write = [&](const PendingBlock& block) { return this->Stores->Append(block); };
   steps.AfterRound = [&](std::int64_t blocks, bool isStopping,
                        const std::function<Status()>& waitUntilWritten) -> Status
   {
@@ -456,8 +337,8 @@ Status ResolutionWriter::WriteBlocks()
     : Status(status.GetCode(), this->Context.Path + ": cannot be written: " + status.GetMessage());
 }
 
-/// Tells that the first `blocks` blocks are finished, as far as that was not told. A rank knows the ranges of those alone that it
-/// writes. Collective.
+/// Tells which of the first `blocks` blocks are finished since the last time. A rank knows the ranges
+/// of those alone that it writes. Collective.
 Status ResolutionWriter::TellBlocks(std::int64_t blocks)
 {
   std::vector<std::vector<KeyRange>> ranges;
@@ -520,11 +401,7 @@ Status ResolutionWriter::FinishStores()
 {
   this->Counts->GetSpectra().SetRanges(this->GetStep().Ranges);
   this->GetStep().Stores.resize(this->Header.NumberOfStores);
-  std::vector<std::uint32_t> mine;
-  for (const auto& store : this->Stores)
-  {
-    mine.push_back(store.first);
-  }
+  const std::vector<std::uint32_t> mine = this->Stores->GetNumbers();
   // Together, so that the disk is waited for once rather than once a store.
   const auto threads = std::min<std::size_t>(std::max<std::size_t>(1, mine.size()),
     static_cast<std::size_t>(this->Context.Settings.Threads));
@@ -536,29 +413,11 @@ Status ResolutionWriter::FinishStores()
     mine.size(), static_cast<int>(threads),
     [&](std::size_t index, int)
     {
-      OpenStore& store = this->Stores.at(mine[index]);
-      if (!this->Counts->GetSpectra().FinishStore(
-            mine[index], store.Writer->GetEntries(), this->Counts->GetRanges()))
-      {
-        // Samples of coarser levels and checkpoints come from the disk.
-        outcomes[index] =
-          Status(StatusCode::Corrupt, this->GetFolder() + ": its temporary files are damaged");
-        return;
-      }
-      const auto description =
-        store.Writer->Finish(this->Variables, this->Counts->GetRanges(), memory);
+      const auto description = this->Stores->Finish(mine[index], *this->Counts, memory);
       outcomes[index] = description.GetStatus();
       if (description.IsOk())
       {
         this->GetStep().Stores[mine[index]] = *description;
-      }
-      if (outcomes[index].IsOk() && store.OverviewSamples)
-      {
-        outcomes[index] = store.OverviewSamples->SyncAndClose();
-      }
-      store = OpenStore{};
-      if (outcomes[index].IsOk())
-      {
         outcomes[index] =
           ReplicateStore(this->Context.Files, this->Context.Path, this->Header, mine[index]);
       }
@@ -639,21 +498,8 @@ std::unique_ptr<OverviewSource> ResolutionWriter::MakeOverviewSource()
 
 Status ResolutionWriter::RemoveTemporaryFiles()
 {
-  return this->Context.AgreeOn(this->Context.Attempt(
-    [&]() -> Status
-    {
-      FileSystem& files = this->Context.Files;
-      for (const auto& store : this->Stores)
-      {
-        ISOSURFACE_RETURN_IF_ERROR(
-          files.RemoveAll(OverviewSource::GetPath(this->GetFolder(), store.first)));
-        if (this->Journal)
-        {
-          ISOSURFACE_RETURN_IF_ERROR(StoreJournal::Remove(files, this->GetStorePath(store.first)));
-        }
-      }
-      return Status::Ok();
-    }));
+  return this->Context.AgreeOn(
+    this->Context.Attempt([&] { return this->Stores->RemoveTemporaryFiles(); }));
 }
 
 } // namespace isosurface

@@ -12,17 +12,15 @@
 #include "Storage/Writing/BlockCounts.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/BlockRangeScan.h"
-#include "Storage/Writing/BlockStoreWriter.h"
 #include "Storage/Writing/OverviewSamples.h"
 #include "Storage/Writing/RoundPlan.h"
-#include "Storage/Writing/StoreJournal.h"
 #include "Storage/Writing/WriteContext.h"
 #include "Storage/Writing/WriteJournal.h"
+#include "Storage/Writing/WrittenStores.h"
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -72,38 +70,13 @@ public:
 private:
   using Clock = std::chrono::steady_clock;
 
-  /// A store while this rank writes it.
-  struct OpenStore
-  {
-    std::unique_ptr<BlockStoreWriter> Writer;
-    std::unique_ptr<WritableFile> OverviewSamples; ///< null without a coarser grid
-    std::unique_ptr<StoreJournal> Journal;         ///< null without a journal
-  };
-
   std::vector<VertexBox> GatherBoxes() const;
   bool NeedsRanges() const;
   Status ScanRanges(BlockRangeScan& scan);
   Status OpenStores();
-  Status CreateStores();
-  Status TakeStores();
-  Status TakeStore(std::uint32_t store, std::size_t blocks);
-  std::vector<std::size_t> CountBlocks(std::int64_t end) const;
-  std::size_t GetSegments() const
-  {
-    return this->Types.size() * static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  }
-  SamplePlace GetSamplePlace() const
-  {
-    return this->Header.IsInPlace() ? SamplePlace::Source : SamplePlace::Store;
-  }
-  std::string GetStorePath(std::uint32_t store) const
-  {
-    return GetStoreFolder(this->Context.Path, this->Header.TimeSteps.back().Folder, store);
-  }
   Status WriteBlocks();
   bool IsCheckpointDue(std::int64_t blocks, bool isStopping);
   Status MakeCheckpoint(std::int64_t blocks);
-  Status AddCheckpoints(std::int64_t number);
   void FinishBlock(PendingBlock& block, const std::vector<SampleView>& views, int thread);
   Status TellBlocks(std::int64_t blocks);
   void ShareRanges();
@@ -127,9 +100,9 @@ private:
   std::vector<ValueType> Types; ///< of the components
   std::optional<BlockExchange> Exchange;
   std::optional<RoundPlan> Plan;
-  std::vector<std::uint32_t> BlockStores;    ///< per block
-  std::optional<BlockCounts> Counts;         ///< during Write()
-  std::map<std::uint32_t, OpenStore> Stores; ///< those of this rank
+  std::vector<std::uint32_t> BlockStores; ///< per block
+  std::optional<BlockCounts> Counts;      ///< during Write()
+  std::optional<WrittenStores> Stores;    ///< from Write() on
   WriteJournal* Journal = nullptr;
   bool TellsFinished = false;
   std::int64_t ToldBlocks = 0;      ///< how many blocks were told to be finished

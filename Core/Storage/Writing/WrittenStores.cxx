@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Writing/WrittenStores.h"
+
+#include "Storage/Writing/OverviewSamples.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace isosurface
+{
+
+std::size_t WrittenStores::CountSegments(const BlockedVolumeHeader& header)
+{
+  return header.GetVariables().GetStoredTypes().size() *
+    static_cast<std::size_t>(header.GetBlockGrid().GetNumberOfLevels());
+}
+
+WrittenStores::WrittenStores(const WriteContext& context, const BlockedVolumeHeader& header,
+  const std::vector<std::uint32_t>& blockStores, bool hasCoarser, bool hasJournal)
+  : Context(context)
+  , Header(header)
+  , BlockStores(blockStores)
+  , HasCoarser(hasCoarser)
+  , HasJournal(hasJournal)
+  , Grid(header.GetBlockGrid())
+  , Variables(header.GetVariables())
+  , Segments(CountSegments(header))
+{
+}
+
+std::vector<std::size_t> WrittenStores::CountBlocks(std::int64_t end) const
+{
+  std::vector<std::size_t> blocks(this->Header.NumberOfStores, 0);
+  for (std::int64_t block = 0; block < end; ++block)
+  {
+    ++blocks[this->BlockStores[static_cast<std::size_t>(block)]];
+  }
+  return blocks;
+}
+
+Status WrittenStores::Create()
+{
+  const std::vector<std::size_t> blocks = this->CountBlocks(this->Grid.GetNumberOfBlocks());
+  for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
+  {
+    if (!this->Context.IsMine(store))
+    {
+      continue;
+    }
+    OpenStore& open = this->Stores[store];
+    auto writer = BlockStoreWriter::Create(this->Context.Files, this->GetStorePath(store),
+      this->Segments, blocks[store], this->GetSamplePlace());
+    ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
+    open.Writer = std::move(*writer);
+    if (this->HasCoarser)
+    {
+      auto samples =
+        this->Context.Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), store));
+      ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+      open.OverviewSamples = std::move(*samples);
+    }
+    if (this->HasJournal)
+    {
+      open.Journal = std::make_unique<StoreJournal>(this->Context.Files, this->GetStorePath(store));
+    }
+  }
+  return Status::Ok();
+}
+
+Status WrittenStores::Take(const WriteJournal& journal, BlockCounts& counts)
+{
+  if (journal.Blocks > this->Grid.GetNumberOfBlocks())
+  {
+    return Status(StatusCode::Corrupt, "the journal has too many blocks");
+  }
+  const std::vector<std::size_t> blocks = this->CountBlocks(journal.Blocks);
+  for (std::uint32_t store = 0; store < this->Header.NumberOfStores; ++store)
+  {
+    if (this->Context.IsMine(store))
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->TakeOne(store, blocks[store], journal.Checkpoint, counts));
+    }
+  }
+  return Status::Ok();
+}
+
+Status WrittenStores::TakeOne(
+  std::uint32_t store, std::size_t blocks, std::int64_t checkpoint, BlockCounts& counts)
+{
+  OpenStore& open = this->Stores[store];
+  FileSystem& files = this->Context.Files;
+  open.Journal = std::make_unique<StoreJournal>(files, this->GetStorePath(store));
+  std::vector<BlockDirectoryEntry> entries;
+  const auto taken = open.Journal->Take(checkpoint, this->Segments, entries, counts.GetRanges());
+  ISOSURFACE_RETURN_IF_ERROR(taken.GetStatus());
+  const bool isMine = std::all_of(entries.begin(), entries.end(),
+    [&](const BlockDirectoryEntry& entry)
+    { return this->BlockStores[static_cast<std::size_t>(entry.Block)] == store; });
+  if (!isMine || entries.size() != blocks || !counts.GetSpectra().UnpackSums(store, taken->Spectra))
+  {
+    return Status(StatusCode::Corrupt, this->GetStorePath(store) + ": its journal is of others");
+  }
+  counts.AddFiniteRanges(taken->FiniteRanges);
+  auto writer = BlockStoreWriter::Open(files, this->GetStorePath(store), this->Segments,
+    this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
+    std::move(entries), taken->BlocksBytes, taken->BlocksChecksum);
+  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
+  open.Writer = std::move(*writer);
+  if (this->HasCoarser)
+  {
+    auto samples = files.OpenForAppending(
+      OverviewSource::GetPath(this->GetFolder(), store), taken->OverviewBytes);
+    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    open.OverviewSamples = std::move(*samples);
+  }
+  return Status::Ok();
+}
+
+Status WrittenStores::Append(const PendingBlock& block) const
+{
+  const OpenStore& store = this->Stores.at(block.Store);
+  if (store.OverviewSamples)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      store.OverviewSamples->Append(block.OverviewSamples.data(), block.OverviewSamples.size()));
+  }
+  return store.Writer->Append(block);
+}
+
+Status WrittenStores::AddCheckpoints(std::int64_t number, const BlockCounts& counts) const
+{
+  StoreCheckpoint checkpoint;
+  checkpoint.FiniteRanges = counts.JoinFiniteRanges();
+  for (const auto& [store, open] : this->Stores)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(open.Writer->Sync());
+    checkpoint.BlocksBytes = open.Writer->GetBytes();
+    checkpoint.BlocksChecksum = open.Writer->GetChecksum();
+    if (open.OverviewSamples)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(open.OverviewSamples->Sync());
+      checkpoint.OverviewBytes = open.OverviewSamples->GetSize();
+    }
+    checkpoint.Spectra = counts.GetSpectra().PackSums(store);
+    ISOSURFACE_RETURN_IF_ERROR(
+      open.Journal->Add(number, checkpoint, open.Writer->GetEntries(), counts.GetRanges()));
+  }
+  return Status::Ok();
+}
+
+std::vector<std::uint32_t> WrittenStores::GetNumbers() const
+{
+  std::vector<std::uint32_t> numbers;
+  for (const auto& store : this->Stores)
+  {
+    numbers.push_back(store.first);
+  }
+  return numbers;
+}
+
+Result<StoreDescription> WrittenStores::Finish(
+  std::uint32_t number, BlockCounts& counts, std::size_t memoryBytes)
+{
+  OpenStore& store = this->Stores.at(number);
+  if (!counts.GetSpectra().FinishStore(number, store.Writer->GetEntries(), counts.GetRanges()))
+  {
+    // Samples of coarser levels and checkpoints come from the disk.
+    return Status(StatusCode::Corrupt, this->GetFolder() + ": its temporary files are damaged");
+  }
+  auto description = store.Writer->Finish(this->Variables, counts.GetRanges(), memoryBytes);
+  ISOSURFACE_RETURN_IF_ERROR(description.GetStatus());
+  if (store.OverviewSamples)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(store.OverviewSamples->SyncAndClose());
+  }
+  store = OpenStore{};
+  return description;
+}
+
+Status WrittenStores::RemoveTemporaryFiles() const
+{
+  for (const auto& store : this->Stores)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Context.Files.RemoveAll(OverviewSource::GetPath(this->GetFolder(), store.first)));
+    if (this->HasJournal)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(
+        StoreJournal::Remove(this->Context.Files, this->GetStorePath(store.first)));
+    }
+  }
+  return Status::Ok();
+}
+
+} // namespace isosurface
