@@ -240,20 +240,16 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   std::size_t steps = 1;
   for (std::size_t step = 0; step < steps; ++step)
   {
-    auto opened = OpenStep(files, index, step, memoryBytes);
-    if (opened.IsOk() && finished && step == 0 && opened->Settings.InPlace)
-    {
-      const Status told = Attempt(index.Source,
-        [&]
-        {
-          TellFinished(*opened, *finished);
-          return Status::Ok();
-        });
-      if (!told.IsOk())
+    auto opened = Attempt(index.Source,
+      [&]
       {
-        opened = told;
-      }
-    }
+        auto found = OpenStep(files, index, step, memoryBytes);
+        if (found.IsOk() && finished && step == 0 && found->Settings.InPlace)
+        {
+          TellFinished(*found, *finished);
+        }
+        return found;
+      });
     const std::size_t times = opened.IsOk() ? opened->Volume.Times.size() : 0;
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(opened.GetStatus(),
       { { times, index.Source + ": the ranks see different numbers of time steps" } }));
