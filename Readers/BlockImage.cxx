@@ -69,7 +69,7 @@ vtkSmartPointer<vtkUnsignedCharArray> MakeGhosts(
       }
     }
   }
-  // ParaView asks for it after each update, and VTK takes a second for 50 million values.
+  // ParaView asks for it after each update, and VTK would look at each value, twice.
   StoreRange(ghosts, minimum, maximum);
   return ghosts;
 }

@@ -171,18 +171,6 @@ protected:
     this->Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     return this->Contour->GetOutput();
   }
-  /// Shows a surface as a window does, up to the finest level of the sample.
-  void Show()
-  {
-    this->Contour->AllowCoarse(1);
-    this->Update();
-    this->Contour->AllowCoarse(0);
-    for (int passes = 0; !this->Contour->GetFinal() && passes < 10; ++passes)
-    {
-      this->Contour->Refine();
-      this->Update();
-    }
-  }
   int Prepare()
   {
     this->Contour->PrepareRefinement(1000);
@@ -245,7 +233,7 @@ protected:
 
 TEST_F(GrowingSurface, IsExactWhereTheFileIsIndexedAndThatOfTheSampleBehind)
 {
-  this->Show();
+  ShowByHand(this->Contour);
   ExpectSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue);
   EXPECT_EQ(this->Prepare(), Growing) << "nothing is indexed";
   this->Finish(29);
@@ -270,7 +258,7 @@ TEST_F(GrowingSurface, IsExactWhereTheFileIsIndexedAndThatOfTheSampleBehind)
 
 TEST_F(GrowingSurface, WaitsForTheRankThatHasBeenToldTheLeast)
 {
-  this->Show();
+  ShowByHand(this->Contour);
   this->Finish(GetRank() == 0 ? 0 : 100);
   EXPECT_EQ(this->Prepare(), Growing);
   EXPECT_EQ(this->Prepare(), Growing);
@@ -281,13 +269,13 @@ TEST_F(GrowingSurface, WaitsForTheRankThatHasBeenToldTheLeast)
 TEST_F(GrowingSurface, BeginsAnewAfterAChangeAndInterpolatesArrays)
 {
   this->Finish(100);
-  this->Show();
+  ShowByHand(this->Contour);
   this->Grow();
   const char* const array = "density";
   this->Contour->SetValue(0, 30.5);
   this->Contour->ComputeScalarsOff();
   this->Contour->AddInterpolatedArray(array);
-  this->Show();
+  ShowByHand(this->Contour);
   ExpectSurfaceOf(this->Contour->GetOutput(), this->Sample, 30.5);
   vtkPolyData* mine = this->Grow();
   EXPECT_GT(mine->GetNumberOfPolys(), 100);
@@ -306,7 +294,7 @@ TEST_F(GrowingSurface, StaysThatOfTheSampleForWhomeverTheWindowDoesNotAskFor)
 
 TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheSourceIsChanged)
 {
-  this->Show();
+  ShowByHand(this->Contour);
   OnFirstRank(
     [&]
     {
@@ -320,7 +308,7 @@ TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheSourceIsChanged)
 
 TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheLastOneFailsLater)
 {
-  this->Show();
+  ShowByHand(this->Contour);
   this->Finish(100);
   this->Grow();
   OnFirstRank([&] { std::filesystem::resize_file(this->OtherSource, 1000); });

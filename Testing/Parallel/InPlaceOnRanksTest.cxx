@@ -199,14 +199,7 @@ TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
 TEST_F(FirstContact, IsExactWhereTheFileIsIndexed)
 {
   this->Contour->Modified();
-  this->Contour->AllowCoarse(1);
-  this->Update();
-  this->Contour->AllowCoarse(0);
-  for (int passes = 0; !this->Contour->GetFinal() && passes < 10; ++passes)
-  {
-    this->Contour->Refine();
-    this->Update();
-  }
+  ShowByHand(this->Contour);
   EXPECT_EQ(this->Advance(), 2);
   const auto prepare = [&]
   {

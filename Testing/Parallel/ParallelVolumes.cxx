@@ -62,6 +62,18 @@ void ExpectSurfaceOf(vtkPolyData* mine, vtkImageData* image, double isovalue)
   }
 }
 
+void ShowByHand(vtkStabbingContour* contour)
+{
+  contour->AllowCoarse(1);
+  contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  contour->AllowCoarse(0);
+  for (int passes = 0; !contour->GetFinal() && passes < 10; ++passes)
+  {
+    contour->Refine();
+    contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  }
+}
+
 ContourPipeline::ContourPipeline(const std::string& path)
   : Reader(vtkSmartPointer<vtkBlockedVolumeReader>::New())
   , Contour(vtkSmartPointer<vtkStabbingContour>::New())

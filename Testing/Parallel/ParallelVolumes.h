@@ -52,6 +52,10 @@ vtkSmartPointer<PieceSource> MakeSource(vtkImageData* image, int layout = PieceS
 /// collective.
 void ExpectSurfaceOf(vtkPolyData* mine, vtkImageData* image, double isovalue);
 
+/// Brings this rank's part of a surface up to date as a window does after a change by hand: coarse, then
+/// finer until it is final; collective.
+void ShowByHand(vtkStabbingContour* contour);
+
 /// A reader and a contour behind it, on every rank.
 class ContourPipeline
 {
