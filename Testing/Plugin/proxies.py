@@ -4,9 +4,11 @@ import glob
 import os
 import xml.etree.ElementTree
 
-from paraview import simple
+from paraview import servermanager, simple
 
 import plugin_testing as testing
+
+updates = []
 
 
 class Proxies(testing.TestCase):
@@ -28,6 +30,10 @@ class Proxies(testing.TestCase):
                         continue
                     with self.subTest(proxy=proxy.get("name"), property=element.get("name")):
                         self.assertTrue((element.findtext("Documentation") or "").strip())
+
+    def test_window_makes_its_menus_once_for_the_plugin(self):
+        # That takes half a second, whenever definitions are updated.
+        self.assertEqual(len(updates), 1)
 
     def test_nobody_can_edit_what_a_proxy_tells(self):
         # In a panel such a property is a field like any other. ParaView leaves out lists alone.
@@ -125,4 +131,8 @@ class Proxies(testing.TestCase):
         self.check_properties(reader, names + ["ComputeScalars", "ComputeNormals"])
 
 
+definitions = servermanager.ActiveConnection.Session.GetSessionProxyManager().GetProxyDefinitionManager()
+definitions.AddObserver(
+    servermanager.vtkSIProxyDefinitionManager.ProxyDefinitionsUpdated, lambda *_: updates.append(1)
+)
 testing.run()
