@@ -438,7 +438,8 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
       keep = QGuiApplication::mouseButtons() != Qt::NoButton || this->IsHandMoving(watched, report);
       if (!keep)
       {
-        watched.IsLarge = report.Triangles > vtkIsosurfaceMapper::TRIANGLES_OF_PORTIONS;
+        watched.IsLarge =
+          report.Triangles > static_cast<double>(vtkIsosurfaceMapper::TRIANGLES_OF_PORTIONS);
         if (watched.HasGrown)
         {
           this->BoundsBefore[contour->GetGlobalID()] = pqIndexStatus::FindBounds(watched.Source);
