@@ -31,8 +31,8 @@ class Proxies(testing.TestCase):
                     with self.subTest(proxy=proxy.get("name"), property=element.get("name")):
                         self.assertTrue((element.findtext("Documentation") or "").strip())
 
-    def test_window_makes_its_menus_once_for_the_plugin(self):
-        # That takes half a second, whenever definitions are updated.
+    def test_plugin_updates_the_definitions_once(self):
+        # At each update the window makes all of its menus anew, which takes half a second.
         self.assertEqual(len(updates), 1)
 
     def test_nobody_can_edit_what_a_proxy_tells(self):
