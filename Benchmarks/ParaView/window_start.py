@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the plugin adds to the start of ParaView's window.
 
-    xvfb-run -a window_start.py --plugin .../ScalableIsosurface.so [--other .../ScalableIsosurface.so] [--rounds N]
+    xvfb-run -a python3 window_start.py [--rounds N] .../ScalableIsosurface.so...
 
-Starts and ends the window without the plugin, with it, and with another build of it, in turns. Prints the
+Starts and ends the window without the plugin and with each of these builds of it, in turns. Prints the
 medians, in seconds of the clock and of processor time.
 """
 import argparse
@@ -36,25 +36,22 @@ def start(plugin, script):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--plugin", required=True)
-    parser.add_argument("--other")
     parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("plugins", nargs="+")
     arguments = parser.parse_args()
 
-    plugins = {"without": None, "with": arguments.plugin}
-    if arguments.other:
-        plugins["other"] = arguments.other
-    times = {name: [] for name in plugins}
+    plugins = [None, *map(os.path.abspath, arguments.plugins)]
+    times = {plugin: [] for plugin in plugins}
     with tempfile.NamedTemporaryFile("w", suffix=".xml") as script:
         script.write('<?xml version="1.0" ?>\n<pqevents></pqevents>\n')
         script.flush()
         start(None, script.name)  # reads the libraries from the disk
         for _ in range(arguments.rounds):
-            for name, plugin in plugins.items():
-                times[name].append(start(plugin and os.path.abspath(plugin), script.name))
-    for name in plugins:
-        seconds, processor = (statistics.median(values) for values in zip(*times[name]))
-        print(f"{name:8} {seconds:5.2f} s {processor:5.2f} s of processor time")
+            for plugin in plugins:
+                times[plugin].append(start(plugin, script.name))
+    for plugin, measured in times.items():
+        seconds, processor = (statistics.median(values) for values in zip(*measured))
+        print(f"{seconds:5.2f} s, {processor:5.2f} s of processor time: {plugin or 'without the plugin'}")
 
 
 if __name__ == "__main__":
