@@ -24,8 +24,10 @@
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 using namespace isosurface;
 
@@ -241,6 +243,8 @@ TEST_F(FirstContact, GrowsWhileTheFileIsIndexed)
   } while (this->Reader->GetIndexing()[0] == 1);
   for (int tries = 0; this->Contour->GetRefinement()[0] != 0 && tries < 10000; ++tries)
   {
+    // A surface that has grown rests for twice the time that it took.
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
     prepare();
   }
   ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
