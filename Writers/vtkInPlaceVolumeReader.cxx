@@ -210,9 +210,9 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
   reader.IndexText = this->Index.Path + ": up to date";
   if (reader.Growing && !reader.Growing->Advance(ranks, 0))
   {
-    if (reader.Growing->HasLargerSample())
+    if (reader.Growing->HasLargerSample(ranks))
     {
-      ISOSURFACE_RETURN_IF_ERROR(reader.Growing->EnlargeSample());
+      ISOSURFACE_RETURN_IF_ERROR(reader.Growing->EnlargeSample(ranks));
     }
     const isosurface::SourceSample& sample = reader.Growing->GetSample();
     volume = sample.Volume;
@@ -449,7 +449,7 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
       vtkErrorMacro(<< status.GetMessage());
     }
   }
-  else if (this->Growing->HasLargerSample())
+  else if (this->Growing->HasLargerSample(ranks))
   {
     this->Indexing[0] = Ready;
   }

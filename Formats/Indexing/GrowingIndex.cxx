@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace isosurface
 {
@@ -17,6 +18,9 @@ namespace
 constexpr double ShareToEstimate = 0.02;
 /// A sample takes the place of one that is so many times smaller.
 constexpr double EnoughLarger = 1.5;
+/// Ranks tell each other what they have sampled after each of so many parts of the work: all of
+/// these messages together have as many bytes as a sample or two.
+constexpr double GatheringSteps = 20;
 
 } // namespace
 
@@ -25,7 +29,7 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   : Index(std::move(index))
   , Files(files)
   , Sample(std::move(sample))
-  , Collector(ranks.GetSize() == 1 && this->Sample.Volume && this->Sample.Share < 1
+  , Collector(this->Sample.Volume && this->Sample.Share < 1
         ? std::make_unique<SampleCollector>(this->Sample.WholeStep)
         : nullptr)
   , Finished(this->Sample.Volume
@@ -80,33 +84,89 @@ Result<std::shared_ptr<BlockedVolume>> GrowingIndex::Open() const
   return std::shared_ptr<BlockedVolume>(kept, kept->second.get());
 }
 
-bool GrowingIndex::HasLargerSample()
+bool GrowingIndex::HasLargerSample(Communicator& ranks)
 {
-  if (this->Finished && this->Finished->AreShown())
+  if (!this->Collector)
   {
     return false;
   }
-  const double share = this->Collector ? this->Collector->GetShare() : 0;
-  const bool isWorth =
-    share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);
-  if (isWorth && !this->Enlarging)
+  std::vector<std::uint64_t> all = { this->Finished->AreShown() ? 0U : 1U,
+    this->Enlarging && this->Enlarging->Wait(0) ? 1U : 0U };
+  ranks.ReduceMinimum(all);
+  if (all[0] != 0 && !this->Enlarging && this->BeginStatus.IsOk())
   {
-    this->Enlarging = std::make_unique<BackgroundTask>(this->Index.Source,
-      [this](const Progress&) -> Status
-      {
-        auto larger = this->Collector->MakeSample(this->Files, this->Index);
-        ISOSURFACE_RETURN_IF_ERROR(larger.GetStatus());
-        this->Larger = std::move(*larger);
-        return Status::Ok();
-      });
+    this->BeginStatus =
+      RunCollective(this->Index.Source, [&] { return this->BeginEnlarging(ranks); });
   }
-  return this->Enlarging && this->Enlarging->Wait(0);
+  return all[0] != 0 && (all[1] != 0 || !this->BeginStatus.IsOk());
 }
 
-Status GrowingIndex::EnlargeSample()
+Status GrowingIndex::GatherSamples(Communicator& ranks)
+{
+  const double done = this->Writing->HasEnded() ? 1 : this->GetProgress();
+  std::vector<std::uint64_t> steps = { static_cast<std::uint64_t>(GatheringSteps * done) };
+  ranks.ReduceMinimum(steps);
+  if (ranks.GetSize() == 1 || steps[0] <= this->GatheredSteps)
+  {
+    return Status::Ok();
+  }
+  this->GatheredSteps = steps[0];
+  Message mine;
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, this->Index.Source,
+    [&]
+    {
+      mine = this->Collector->Pack(this->CommonSlices);
+      return Status::Ok();
+    }));
+  const std::vector<Message> messages = ranks.AllGather(mine);
+  return AttemptOnAll(ranks, this->Index.Source,
+    [&]
+    {
+      const bool fits = std::all_of(messages.begin(), messages.end(),
+        [&](const Message& message) { return this->Collector->Unpack(message); });
+      return fits ? Status::Ok()
+                  : Status(StatusCode::InvalidArgument,
+                      this->Index.Source + ": the ranks see different volumes");
+    });
+}
+
+Status GrowingIndex::BeginEnlarging(Communicator& ranks)
+{
+  ISOSURFACE_RETURN_IF_ERROR(this->GatherSamples(ranks));
+  std::vector<std::uint64_t> slices = { static_cast<std::uint64_t>(
+    this->Collector->CountSlices()) };
+  ranks.ReduceMinimum(slices);
+  this->CommonSlices = static_cast<std::int64_t>(slices[0]);
+  const double share = this->Collector->GetShare(this->CommonSlices);
+  const bool isMore =
+    share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);
+  std::vector<std::uint64_t> isWorth = { isMore ? 1U : 0U };
+  ranks.ReduceMinimum(isWorth); // a rank that has not opened the file yet knows no share
+  if (isWorth[0] == 0)
+  {
+    return Status::Ok();
+  }
+  return AttemptOnAll(ranks, this->Index.Source,
+    [this]
+    {
+      this->Enlarging = std::make_unique<BackgroundTask>(this->Index.Source,
+        [this, count = this->CommonSlices](const Progress&) -> Status
+        {
+          auto larger = this->Collector->MakeSample(this->Files, this->Index, count);
+          ISOSURFACE_RETURN_IF_ERROR(larger.GetStatus());
+          this->Larger = std::move(*larger);
+          return Status::Ok();
+        });
+      return Status::Ok();
+    });
+}
+
+Status GrowingIndex::EnlargeSample(Communicator& ranks)
 {
   const std::unique_ptr<BackgroundTask> made = std::move(this->Enlarging);
-  ISOSURFACE_RETURN_IF_ERROR(made->GetStatus());
+  const Status begun = std::exchange(this->BeginStatus, Status::Ok());
+  ISOSURFACE_RETURN_IF_ERROR(begun);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(made->GetStatus()));
   this->Sample = std::move(this->Larger);
   return Status::Ok();
 }

@@ -50,12 +50,13 @@ public:
   /// What is indexed of the first time step; null where it is not told. It stays valid without this
   /// object.
   const std::shared_ptr<FinishedLayers>& GetFinished() const { return this->Finished; }
-  /// Whether there is a sample that is much larger than the last one: what is being indexed is
-  /// sampled, too, and made a volume beside the calling thread. Never where there are several ranks,
-  /// or while what is finished is shown, which is the same part of the file.
-  bool HasLargerSample();
-  /// Makes that the sample.
-  Status EnlargeSample();
+  /// Whether there is a sample on all ranks that is much larger than the last one, or an error that
+  /// kept it from being made: what is being indexed is sampled, too, and made a volume beside the
+  /// calling thread. Never while what is finished is shown, which is the same part of the file.
+  /// Collective.
+  bool HasLargerSample(Communicator& ranks);
+  /// Makes that the sample; of all ranks, or of none. Collective.
+  Status EnlargeSample(Communicator& ranks);
 
   /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
   /// Collective.
@@ -88,6 +89,12 @@ public:
   Result<std::shared_ptr<BlockedVolume>> Open() const;
 
 private:
+  /// Each rank tells the others what it has sampled, now and then.
+  Status GatherSamples(Communicator& ranks);
+  /// Begins to make the volume of what all ranks know of the sample, if that is much more than what
+  /// is shown.
+  Status BeginEnlarging(Communicator& ranks);
+
   const SourceIndex Index;
   FileSystem& Files;
   SourceSample Sample;
@@ -97,6 +104,9 @@ private:
   std::chrono::steady_clock::time_point FirstTime; ///< that of FirstProgress, written before it
   SourceSample Larger;                             ///< the thread's until it has ended
   std::unique_ptr<BackgroundTask> Enlarging;       ///< makes it; null if nothing is much larger
+  Status BeginStatus;              ///< of the last BeginEnlarging; the same on all ranks
+  std::int64_t CommonSlices = 0;   ///< complete on all ranks
+  std::uint64_t GatheredSteps = 0; ///< of the work when samples were gathered last
   std::string LeftOut;                             ///< the thread's until it has ended
   std::atomic<double> FirstProgress = -1;          ///< negative before the first round
   std::unique_ptr<CollectiveTask> Writing;         ///< the last member: it uses the others

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Indexing/SampleCollector.h"
 
+#include "Ground/Base/Coding.h"
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
@@ -84,45 +85,107 @@ void SampleCollector::Add(const BoxSamples& slab, const VertexBox& box)
         CopySamples(this->Samples[variable].data() + first * size, 1, view.AtBytes(vertex),
           view.Stride[0] * this->Step[0], count, size);
       }
-      for (std::size_t at = first; at < first + static_cast<std::size_t>(count); ++at)
-      {
-        this->KnownOfSlice[static_cast<std::size_t>(number[2])] += this->IsKnown[at] ? 0 : 1;
-        this->IsKnown[at] = true;
-      }
+      this->MarkKnown(first, static_cast<std::size_t>(count));
     });
+}
+
+void SampleCollector::MarkKnown(std::size_t first, std::size_t count)
+{
+  const auto whole = static_cast<std::size_t>(this->GetVerticesOfSlice());
+  for (std::size_t at = first; at < first + count; ++at)
+  {
+    this->KnownOfSlice[at / whole] += this->IsKnown[at] ? 0 : 1;
+    this->IsKnown[at] = true;
+  }
+}
+
+Message SampleCollector::Pack(std::int64_t fromSlice) const
+{
+  Message message;
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const auto begin = this->IsKnown.begin();
+  const auto end = this->IsKnown.end();
+  for (auto last = begin + fromSlice * this->GetVerticesOfSlice();;)
+  {
+    const auto first = std::find(last, end, true);
+    if (first == end)
+    {
+      return message;
+    }
+    last = std::find(first, end, false);
+    const auto vertex = static_cast<std::size_t>(first - begin);
+    const auto count = static_cast<std::size_t>(last - first);
+    AppendLittleEndian<std::uint64_t>(message, vertex);
+    AppendLittleEndian<std::uint64_t>(message, count);
+    for (std::size_t variable = 0; variable < this->Samples.size(); ++variable)
+    {
+      const std::size_t size = GetValueSize(this->Volume.Types[variable]);
+      const std::uint8_t* samples = this->Samples[variable].data() + vertex * size;
+      message.insert(message.end(), samples, samples + count * size);
+    }
+  }
+}
+
+bool SampleCollector::Unpack(const Message& message)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  ByteReader reader(message);
+  while (!this->IsKnown.empty() && reader.GetRemaining() > 0)
+  {
+    const auto vertex = reader.Read<std::uint64_t>();
+    const auto count = reader.Read<std::uint64_t>();
+    if (vertex > this->IsKnown.size() || count > this->IsKnown.size() - vertex)
+    {
+      return false;
+    }
+    for (std::size_t variable = 0; variable < this->Samples.size(); ++variable)
+    {
+      const std::size_t size = GetValueSize(this->Volume.Types[variable]);
+      const std::uint8_t* samples = reader.ReadBytes(count * size);
+      if (!samples)
+      {
+        return false;
+      }
+      std::copy_n(samples, count * size, this->Samples[variable].data() + vertex * size);
+    }
+    this->MarkKnown(vertex, count);
+  }
+  return true;
 }
 
 std::int64_t SampleCollector::CountSlices() const
 {
-  const std::int64_t whole = this->Numbers.High[0] * this->Numbers.High[1];
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const std::int64_t whole = this->GetVerticesOfSlice();
   const auto end = std::find_if(this->KnownOfSlice.begin(), this->KnownOfSlice.end(),
     [whole](std::int64_t known) { return known < whole; });
   return end - this->KnownOfSlice.begin();
 }
 
-Lattice SampleCollector::FindComplete() const
+Lattice SampleCollector::FindSlices(std::int64_t slices) const
 {
   Lattice lattice{ this->Volume.Box, this->Step };
-  lattice.Box.High[2] = std::min(lattice.Box.High[2], this->CountSlices() * this->Step[2]);
+  lattice.Box.High[2] = std::min(lattice.Box.High[2], slices * this->Step[2]);
   return lattice;
 }
 
-double SampleCollector::GetShare() const
+double SampleCollector::GetShare(std::int64_t slices) const
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   const std::int64_t all = this->Volume.Box.GetNumberOfVertices();
   return all == 0 ? 0
-                  : static_cast<double>(this->FindComplete().Box.GetNumberOfVertices()) /
+                  : static_cast<double>(this->FindSlices(slices).Box.GetNumberOfVertices()) /
       static_cast<double>(all);
 }
 
-Result<SourceSample> SampleCollector::MakeSample(FileSystem& files, const SourceIndex& index) const
+Result<SourceSample> SampleCollector::MakeSample(
+  FileSystem& files, const SourceIndex& index, std::int64_t slices) const
 {
   Lattice lattice;
   std::vector<std::vector<std::uint8_t>> samples;
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
-    lattice = this->FindComplete();
+    lattice = this->FindSlices(slices);
     samples = this->Samples;
   }
   if (lattice.Box.IsEmpty())

@@ -3,6 +3,7 @@
 #define isosurface_SampleCollector_h
 
 #include "Formats/Indexing/SourceSample.h"
+#include "Ground/Base/Communicator.h"
 #include "Ground/Volume/VolumeOpener.h"
 
 #include <cstdint>
@@ -16,7 +17,7 @@ namespace isosurface
 /**
  * Keeps a sample of what somebody else reads of a volume: so a picture grows while the volume is
  * indexed, and nothing is read twice. The slices of the sample are complete in the order of z, if
- * they are read so.
+ * they are read so. Ranks that read parts of the volume tell each other what they know (Pack).
  *
  * Functions may be called by several threads at once.
  */
@@ -33,18 +34,28 @@ public:
   /// outlive the source. Once.
   void Attach(OpenedVolume& volume);
 
-  /// The share of the volume that is complete, from its first slice on.
-  double GetShare() const;
-  /// The volume of the complete slices. InvalidArgument if there is none.
-  Result<SourceSample> MakeSample(FileSystem& files, const SourceIndex& index) const;
+  /// How many slices of the sample are complete, from the first one on.
+  std::int64_t CountSlices() const;
+  /// The share of the volume that these first slices stand for.
+  double GetShare(std::int64_t slices) const;
+  /// The volume of these first slices, which are complete. InvalidArgument if there is none.
+  Result<SourceSample> MakeSample(
+    FileSystem& files, const SourceIndex& index, std::int64_t slices) const;
+
+  /// What is known of the sample from a slice on.
+  Message Pack(std::int64_t fromSlice) const;
+  /// Adds what another collector of the same volume has packed; nothing before this one is attached.
+  /// False if it does not fit.
+  bool Unpack(const Message& message);
 
 private:
   class Source;
 
   void Add(const BoxSamples& slab, const VertexBox& box);
-  /// Complete slices of the lattice, and their vertices. Under the lock.
-  std::int64_t CountSlices() const;
-  Lattice FindComplete() const;
+  /// Under the lock.
+  void MarkKnown(std::size_t first, std::size_t count);
+  std::int64_t GetVerticesOfSlice() const { return this->Numbers.High[0] * this->Numbers.High[1]; }
+  Lattice FindSlices(std::int64_t slices) const;
 
   const Index3 Step;
   mutable std::mutex Mutex; ///< guards what follows

@@ -248,6 +248,10 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
         {
           TellFinished(*found, *finished);
         }
+        if (found.IsOk() && collector && step == 0)
+        {
+          collector->Attach(found->Volume);
+        }
         return found;
       });
     const std::size_t times = opened.IsOk() ? opened->Volume.Times.size() : 0;
@@ -255,10 +259,6 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
       { { times, index.Source + ": the ranks see different numbers of time steps" } }));
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
-    if (collector && step == 0)
-    {
-      collector->Attach(opened->Volume);
-    }
     opened->Settings.Publish = step + 1 == steps;
     const Progress tell = [&](double share) {
       return !progress ||

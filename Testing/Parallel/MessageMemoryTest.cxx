@@ -143,36 +143,71 @@ SampleVolume<std::uint8_t> MakeMessageVolume(const Index3& size)
 
 } // namespace
 
+namespace
+{
+
+/// An index that is written of samples in a folder that all ranks see, and a sample of them.
+struct IndexOfMessages
+{
+  explicit IndexOfMessages(const Index3& size)
+    : Index{ this->Source + ":" + std::to_string(size[0]) + "x" + std::to_string(size[1]) + "x" +
+        std::to_string(size[2]) + ",uint8",
+      "", this->Folder.GetPath("source.bvol") }
+  {
+    OnFirstRank(
+      [&]
+      {
+        const SampleVolume<std::uint8_t> volume = MakeMessageVolume(size);
+        std::ofstream(this->Source, std::ios::binary)
+          .write(reinterpret_cast<const char*>(volume.Samples.data()),
+            static_cast<std::streamsize>(volume.Samples.size()));
+      });
+    this->Sample = Require(ReadSourceSample(this->All, this->Files, this->Index, {}));
+  }
+
+  const CommonFolder Folder;
+  const std::string Source = this->Folder.GetPath("source.raw");
+  const SourceIndex Index;
+  FileSystem& Files = GetLocalFileSystem();
+  ControllerCommunicator All{ GetRanks() };
+  SourceSample Sample;
+};
+
+} // namespace
+
 TEST(MessageMemory, AnIndexThatGrowsInTheBackgroundFailsOnAllRanks)
 {
-  const CommonFolder folder;
-  const std::string source = folder.GetPath("source.raw");
-  OnFirstRank(
-    [&]
-    {
-      // So many blocks that what a round tells of them is a large message.
-      const SampleVolume<std::uint8_t> volume = MakeMessageVolume({ 420, 330, 3 });
-      std::ofstream(source, std::ios::binary)
-        .write(reinterpret_cast<const char*>(volume.Samples.data()),
-          static_cast<std::streamsize>(volume.Samples.size()));
-    });
-  const SourceIndex index = { source + ":420x330x3,uint8", "", folder.GetPath("source.bvol") };
-  FileSystem& files = GetLocalFileSystem();
-  ControllerCommunicator all(GetRanks());
-  const auto sample = ReadSourceSample(all, files, index, {});
-  ASSERT_TRUE(sample.IsOk()) << sample.GetStatus().GetMessage();
+  // So many blocks that what a round tells of them is a large message.
+  const IndexOfMessages of({ 420, 330, 3 });
   // Ranks that share a core wait long for each other.
-  ForEachBuffer(index.Path, LongTests ? 1 : 4,
+  ForEachBuffer(of.Index.Path, LongTests ? 1 : 4,
     [&](Communicator& ranks)
     {
-      GrowingIndex growing(ranks, files, index, *sample, std::uint64_t{ 64 } << 20);
+      GrowingIndex growing(ranks, of.Files, of.Index, of.Sample, std::uint64_t{ 64 } << 20);
       return growing.Finish(ranks, {});
     });
   OnFirstRank(
     [&]
     {
-      const auto found = Require(VerifyBlockedVolume(index.Path, files, 1, {}, OpenForeignVolume));
+      const auto found =
+        Require(VerifyBlockedVolume(of.Index.Path, of.Files, 1, {}, OpenForeignVolume));
       EXPECT_TRUE(found.Faults.empty());
+    });
+}
+
+TEST(MessageMemory, ALargerSampleFailsOnAllRanks)
+{
+  IndexOfMessages of({ 60, 50, 3 });
+  of.Sample.Share = 0.01; // as if it were of a part of the file
+  ForEachBuffer(of.Index.Source, 1,
+    [&](Communicator& ranks)
+    {
+      GrowingIndex growing(of.All, of.Files, of.Index, of.Sample, std::uint64_t{ 64 } << 20);
+      EXPECT_TRUE(growing.Finish(of.All, {}).IsOk());
+      while (!growing.HasLargerSample(ranks))
+      {
+      }
+      return growing.EnlargeSample(ranks);
     });
 }
 
