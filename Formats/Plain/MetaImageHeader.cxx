@@ -229,7 +229,8 @@ private:
 
   Status TakePattern(const std::vector<std::string>& words)
   {
-    std::array<std::int64_t, 3> numbers = { 1, this->Volume.Grid.GetDimensions()[2], 1 };
+    const std::int64_t slices = this->Volume.Grid.GetDimensions()[2];
+    std::array<std::int64_t, 3> numbers = { 1, slices, 1 };
     for (std::size_t word = 1; word < words.size() && word < 4; ++word)
     {
       const auto number = ParseInteger(words[word]);
@@ -239,10 +240,11 @@ private:
       }
       numbers[word - 1] = *number;
     }
-    const auto names = ExpandPattern(words[0], numbers[0], numbers[1], numbers[2]);
+    const auto names = ExpandPattern(words[0], numbers[0], numbers[1], numbers[2], slices);
     if (!names)
     {
-      return this->Corrupt("the pattern of ElementDataFile makes no names");
+      return this->Corrupt(
+        "the pattern of ElementDataFile makes no names, or more than there are slices");
     }
     for (const std::string& name : *names)
     {

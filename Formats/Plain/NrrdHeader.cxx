@@ -369,11 +369,14 @@ private:
       const auto first = ParseInteger(words[1]);
       const auto last = ParseInteger(words[2]);
       const auto step = ParseInteger(words[3]);
-      const auto expanded =
-        first && last && step ? ExpandPattern(words[0], *first, *last, *step) : std::nullopt;
+      const std::int64_t slices = this->Volume.Grid.GetDimensions()[2];
+      const auto expanded = first && last && step
+        ? ExpandPattern(words[0], *first, *last, *step, slices)
+        : std::nullopt;
       if (!expanded)
       {
-        return this->Corrupt("the pattern of \"data file\" makes no names");
+        return this->Corrupt(
+          "the pattern of \"data file\" makes no names, or more than there are slices");
       }
       names = *expanded;
     }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <iomanip>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -17,7 +16,7 @@ namespace
 constexpr std::int64_t MaximumSeriesSize = std::int64_t{ 1 } << 20;
 /// All names of a series together, in characters.
 constexpr std::int64_t MaximumSeriesText = std::int64_t{ 64 } << 20;
-constexpr int MaximumDigits = std::numeric_limits<std::int64_t>::digits10 + 1;
+constexpr std::size_t MaximumDigits = std::numeric_limits<std::int64_t>::digits10 + 1;
 
 } // namespace
 
@@ -93,23 +92,23 @@ std::optional<std::vector<double>> ParseDoubles(const std::string& text, std::si
   return values;
 }
 
-std::optional<std::vector<std::string>> ExpandPattern(
-  const std::string& pattern, std::int64_t first, std::int64_t last, std::int64_t step)
+std::optional<std::vector<std::string>> ExpandPattern(const std::string& pattern,
+  std::int64_t first, std::int64_t last, std::int64_t step, std::int64_t most)
 {
   const std::size_t begin = pattern.find('%');
   const std::size_t end = pattern.find_first_not_of("0123456789", begin + 1);
   if (begin == std::string::npos || end == std::string::npos ||
     std::string("diu").find(pattern[end]) == std::string::npos || end - begin > 3 ||
     pattern.find('%', end) != std::string::npos || step == 0 || first < 0 || last < 0 ||
-    (step > 0 ? last < first : last > first) || (last - first) / step >= MaximumSeriesSize)
+    (step > 0 ? last < first : last > first) ||
+    (last - first) / step >= std::min(most, MaximumSeriesSize))
   {
     return std::nullopt;
   }
   const std::int64_t count = (last - first) / step + 1;
   const std::string width = pattern.substr(begin + 1, end - begin - 1);
-  const int minimumDigits = width.empty() ? 0 : std::atoi(width.c_str());
-  const auto length =
-    pattern.size() + static_cast<std::size_t>(std::max(minimumDigits, MaximumDigits));
+  const auto minimumDigits = static_cast<std::size_t>(width.empty() ? 0 : std::atoi(width.c_str()));
+  const std::size_t length = pattern.size() + std::max(minimumDigits, MaximumDigits);
   if (static_cast<std::int64_t>(length) > MaximumSeriesText / count)
   {
     return std::nullopt;
@@ -118,11 +117,10 @@ std::optional<std::vector<std::string>> ExpandPattern(
   names.reserve(static_cast<std::size_t>(count));
   for (std::int64_t index = 0; index < count; ++index)
   {
-    std::ostringstream name;
-    name.imbue(std::locale::classic());
-    name << pattern.substr(0, begin) << std::setfill(width[0] == '0' ? '0' : ' ')
-         << std::setw(minimumDigits) << first + index * step << pattern.substr(end + 1);
-    names.push_back(name.str());
+    const std::string digits = std::to_string(first + index * step);
+    const std::string padding(
+      minimumDigits - std::min(minimumDigits, digits.size()), width[0] == '0' ? '0' : ' ');
+    names.push_back(pattern.substr(0, begin) + padding + digits + pattern.substr(end + 1));
   }
   return names;
 }
