@@ -2,6 +2,7 @@
 #include "Formats/Hdf5/Hdf5Handle.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -16,11 +17,21 @@ std::recursive_mutex& GetLibraryMutex()
   return mutex;
 }
 
+/// Damaged files leave memory in the library that it cannot free. When the process ends, it would say
+/// "infinite loop closing library", if it may print errors then.
+void KeepTheEndQuiet()
+{
+  ::H5open(); // so that it ends after what is registered here
+  std::atexit([] { ::H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); });
+}
+
 } // namespace
 
 Hdf5Scope::Hdf5Scope()
   : Lock(GetLibraryMutex())
 {
+  static std::once_flag isQuiet;
+  std::call_once(isQuiet, KeepTheEndQuiet);
   ::H5Eget_auto2(H5E_DEFAULT, &this->Printer, &this->Data);
   ::H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

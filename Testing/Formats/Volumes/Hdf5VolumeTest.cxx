@@ -5,6 +5,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -63,6 +64,8 @@ void WriteOldFile(const std::string& path, hid_t plist)
   ::H5Pclose(access);
 }
 
+bool IsLosingMemory = false; // that of the library
+
 hid_t MakeChunks(const hsize_t (&chunk)[3])
 {
   const hid_t plist = ::H5Pcreate(H5P_DATASET_CREATE);
@@ -72,6 +75,13 @@ hid_t MakeChunks(const hsize_t (&chunk)[3])
 }
 
 } // namespace
+
+/// Asked by LeakSanitizer at the end of the process.
+extern "C" int
+__lsan_is_turned_off() // NOLINT(bugprone-reserved-identifier)
+{
+  return IsLosingMemory ? 1 : 0;
+}
 
 TEST(Hdf5Volume, AMasterFileWithLinksAndVirtualDatasetsIsRead)
 {
@@ -353,4 +363,25 @@ TEST(Hdf5Volume, ChunksOfAnotherSizeThanTheFileSaysAreAnError)
           ":/data: cannot be read: its chunks have another size than the file says");
     }
   }
+}
+
+TEST(Hdf5Volume, TheProcessEndsInSilenceAfterADamagedFile)
+{
+  const ScratchFolder folder;
+  const std::string path = folder / "damaged.h5";
+  const hid_t access = ::H5Pcreate(H5P_FILE_ACCESS);
+  ::H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+  Hdf5OnDisk(path, access).AddDataset("data");
+  ::H5Pclose(access);
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(120); // within the root group
+  file.write("not this", 8);
+  file.close();
+  EXPECT_EXIT(
+    {
+      IsLosingMemory = true;
+      const auto volume = OpenForeignVolume(GetLocalFileSystem(), path);
+      std::exit(volume.IsOk() ? 1 : 0);
+    },
+    testing::ExitedWithCode(0), "^$");
 }
