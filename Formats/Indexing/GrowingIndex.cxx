@@ -18,8 +18,7 @@ namespace
 constexpr double ShareToEstimate = 0.02;
 /// A sample takes the place of one that is so many times smaller.
 constexpr double EnoughLarger = 1.5;
-/// Ranks tell each other what they have sampled after each of so many parts of the work: all of
-/// these messages together have as many bytes as a sample or two.
+/// Ranks tell each other what they have sampled after each of so many parts of the work.
 constexpr double GatheringSteps = 20;
 
 } // namespace

@@ -141,11 +141,6 @@ SampleVolume<std::uint8_t> MakeMessageVolume(const Index3& size)
     size, [](auto i, auto j, auto k) { return (i * i + j * j + k * k) / 50; });
 }
 
-} // namespace
-
-namespace
-{
-
 /// An index that is written of samples in a folder that all ranks see, and a sample of them.
 struct IndexOfMessages
 {

@@ -64,7 +64,8 @@ void WriteOldFile(const std::string& path, hid_t plist)
   ::H5Pclose(access);
 }
 
-bool IsLosingMemory = false; // that of the library
+/// The library loses memory of damaged files.
+bool LeaksAreIgnored = false;
 
 hid_t MakeChunks(const hsize_t (&chunk)[3])
 {
@@ -77,10 +78,10 @@ hid_t MakeChunks(const hsize_t (&chunk)[3])
 } // namespace
 
 /// Asked by LeakSanitizer at the end of the process.
-extern "C" int
-__lsan_is_turned_off() // NOLINT(bugprone-reserved-identifier)
+// NOLINTNEXTLINE(bugprone-reserved-identifier)
+extern "C" int __lsan_is_turned_off()
 {
-  return IsLosingMemory ? 1 : 0;
+  return LeaksAreIgnored ? 1 : 0;
 }
 
 TEST(Hdf5Volume, AMasterFileWithLinksAndVirtualDatasetsIsRead)
@@ -379,7 +380,7 @@ TEST(Hdf5Volume, TheProcessEndsInSilenceAfterADamagedFile)
   file.close();
   EXPECT_EXIT(
     {
-      IsLosingMemory = true;
+      LeaksAreIgnored = true;
       const auto volume = OpenForeignVolume(GetLocalFileSystem(), path);
       std::exit(volume.IsOk() ? 1 : 0);
     },
