@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From a file that nobody has indexed to a picture, beside programs that read the file first.
 
-    first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz zarr ome h5 tif ome.tif] [--isovalue V] [--no-peers] [--warm]
+    first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz dcm zarr ome h5 tif ome.tif] [--isovalue V] [--no-peers] [--warm]
                      [--sample-only]
 
 Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, NIfTI
 (gzip 1), Zarr (blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64,
-and, if asked for, TIFF (deflate 1, tiles of 256 x 256, without or with smaller images of averages) into the
-folder. Then, each in a process of its own that has loaded its libraries, without the file in the
+and, if asked for, TIFF (deflate 1, tiles of 256 x 256, without or with smaller images of averages) and DICOM (a
+file a slice, not compressed) into the folder. Then, each in a process of its own that has loaded its libraries, without the file in the
 system's cache (that takes root; --warm leaves it there):
 
     picture   seconds from opening the file to the first picture of the surface, that of a sample
@@ -17,13 +17,13 @@ system's cache (that takes root; --warm leaves it there):
     index     until the file is indexed beside the window
     exact     until the picture of the whole surface
     freeze    after the first picture, the longest call for which a window would have waited until it had
-              a coarse surface of the indexed file
+              a coarse surface of the indexed file; without drawing, which windows do in portions
     processor, peak memory: of all of that
 
 of Volume Reader (Any Size), Stabbing Contour and Isosurface Mapper, as ParaView's window uses them, and of
 VTK's own reader, zarr, h5py or tifffile with vtkFlyingEdges3D and vtkPolyDataMapper, whose first picture is exact.
-Needs an X display, python3-h5py, python3-zarr (version 2), for TIFF python3-tifffile, and the package
-scalable_isosurface on PYTHONPATH.
+Needs an X display, python3-h5py, python3-zarr (version 2), for TIFF python3-tifffile, for DICOM python3-pydicom,
+and the package scalable_isosurface on PYTHONPATH.
 """
 import argparse
 import gzip
@@ -72,6 +72,31 @@ def write_tiff(path, sides, levels):
                     file.write(page, subfiletype=1, **layout)
 
 
+def write_dicom(folder, sides):
+    """A CT series, a file a slice."""
+    from pydicom.dataset import Dataset, FileMetaDataset
+    from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
+
+    os.mkdir(folder)
+    slice_of_series = Dataset()
+    slice_of_series.is_little_endian, slice_of_series.is_implicit_VR = True, False
+    slice_of_series.SOPClassUID = CTImageStorage
+    slice_of_series.Modality, slice_of_series.SeriesInstanceUID = "CT", generate_uid()
+    slice_of_series.Rows, slice_of_series.Columns, slice_of_series.PixelSpacing = sides[1], sides[0], [1, 1]
+    slice_of_series.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
+    slice_of_series.SamplesPerPixel, slice_of_series.PhotometricInterpretation = 1, "MONOCHROME2"
+    slice_of_series.BitsAllocated, slice_of_series.BitsStored, slice_of_series.HighBit = 16, 16, 15
+    slice_of_series.PixelRepresentation = 1
+    slice_of_series.file_meta = FileMetaDataset()
+    slice_of_series.file_meta.TransferSyntaxUID = ExplicitVRLittleEndian
+    for first, samples in make_slabs(sides):
+        for number, pixels in enumerate(samples, first):
+            slice_of_series.SOPInstanceUID, slice_of_series.InstanceNumber = generate_uid(), number + 1
+            slice_of_series.ImagePositionPatient = [0, 0, number]
+            slice_of_series.PixelData = pixels.astype("<i2").tobytes()
+            slice_of_series.save_as(os.path.join(folder, f"{number:05}.dcm"), write_like_original=False)
+
+
 def write_volume(kind, folder, sides):
     """Returns the path."""
     import h5py
@@ -112,6 +137,8 @@ def write_volume(kind, folder, sides):
             array[first:first + len(samples)] = samples
     elif kind.endswith("tif"):
         write_tiff(path, sides, 4 if kind == "ome.tif" else 0)
+    elif kind == "dcm":
+        write_dicom(path, sides)
     else:
         path = os.path.join(folder, "scan-ome.zarr")
         group = zarr.open_group(path, mode="w")
@@ -174,18 +201,21 @@ def show_at_once(path, isovalue, begin, grows):
     while reader.GetIndexing()[0] == 1:
         time.sleep(POLL_SECONDS)
         call = time.perf_counter()
+        refined = False
         reader.AdvanceIndex(0)
         if reader.GetIndexing()[0] == 2:  # the index, or a larger sample
             reader.TakeIndex()
             contour.Update()
         elif grows:
             contour.PrepareRefinement(0)
-            if contour.GetRefinement()[0] == 2:
+            refined = contour.GetRefinement()[0] == 2
+            if refined:
                 contour.Refine()
-                picture.show()
-                if contour.GetRefinement()[1] == 0:  # else it was a finer level of the sample
-                    times.setdefault("part", time.perf_counter() - begin)
         times["freeze"] = max(times["freeze"], time.perf_counter() - call)
+        if refined:
+            picture.show()
+            if contour.GetRefinement()[1] == 0:  # else it was a finer level of the sample
+                times.setdefault("part", time.perf_counter() - begin)
     times["index"] = time.perf_counter() - begin
     contour.AllowCoarse(False)
     contour.Modified()
@@ -201,11 +231,15 @@ def read_first(path, isovalue):
 
     contour = vtkFlyingEdges3D()
     contour.SetValue(0, isovalue)
-    if path.endswith((".mhd", ".gz")):
-        from vtkmodules.vtkIOImage import vtkMetaImageReader, vtkNIFTIImageReader
+    if path.endswith((".mhd", ".gz", ".dcm")):
+        from vtkmodules import vtkIOImage
 
-        reader = vtkMetaImageReader() if path.endswith(".mhd") else vtkNIFTIImageReader()
-        reader.SetFileName(path)
+        if path.endswith(".dcm"):
+            reader = vtkIOImage.vtkDICOMImageReader()
+            reader.SetDirectoryName(path)
+        else:
+            reader = vtkIOImage.vtkMetaImageReader() if path.endswith(".mhd") else vtkIOImage.vtkNIFTIImageReader()
+            reader.SetFileName(path)
         contour.SetInputConnection(reader.GetOutputPort())
         return contour, reader
     if path.endswith(".h5"):

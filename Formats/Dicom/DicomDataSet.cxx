@@ -395,11 +395,6 @@ bool DicomDataSet::HasFragments() const
   return this->Pixels.Length == UndefinedLength;
 }
 
-std::string DicomDataSet::GetPixelKind() const
-{
-  return this->Pixels.Kind == "OB" ? "OB" : "OW";
-}
-
 Status DicomDataSet::AppendPixels(std::uint64_t size, std::vector<std::uint8_t>& to)
 {
   if (this->HasFragments())

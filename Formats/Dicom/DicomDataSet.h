@@ -59,8 +59,6 @@ public:
 
   /// The following may be called after ReadHeader(). Whether the pixels are fragments.
   bool HasFragments() const;
-  /// The kind of the pixels: OB or OW.
-  std::string GetPixelKind() const;
   /// The number of bytes of pixels that are no fragments.
   std::uint64_t GetPixelSize() const { return this->Pixels.Length; }
   /// Appends that many bytes of pixels that are no fragments, or joins all fragments but the first,

@@ -3,8 +3,6 @@
 
 #include "Formats/Dicom/DicomCompression.h"
 
-#include <gdcmTransferSyntax.h>
-
 namespace isosurface
 {
 namespace
@@ -15,47 +13,31 @@ constexpr std::uint32_t NoLength = 0xffffffff;
 constexpr std::uint32_t WrittenItemBegin = 0xe000fffe;
 constexpr std::uint32_t WrittenSequenceEnd = 0xe0ddfffe;
 
-gdcm::TransferSyntax::TSType FindType(const std::string& syntax)
-{
-  return gdcm::TransferSyntax::GetTSType(syntax.c_str());
-}
-
-bool IsEncapsulated(const std::string& syntax)
-{
-  return gdcm::TransferSyntax(FindType(syntax)).IsEncapsulated();
-}
-
 } // namespace
 
 void DicomImageFile::Put16(std::uint32_t number)
 {
-  const auto low = static_cast<std::uint8_t>(number);
-  const auto high = static_cast<std::uint8_t>(number >> 8);
-  this->Bytes.push_back(this->IsBigEndian ? high : low);
-  this->Bytes.push_back(this->IsBigEndian ? low : high);
+  this->Bytes.push_back(static_cast<std::uint8_t>(number));
+  this->Bytes.push_back(static_cast<std::uint8_t>(number >> 8));
 }
 
 void DicomImageFile::Put32(std::uint32_t number)
 {
-  this->Put16(this->IsBigEndian ? number >> 16 : number & 0xffff);
-  this->Put16(this->IsBigEndian ? number & 0xffff : number >> 16);
+  this->Put16(number & 0xffff);
+  this->Put16(number >> 16);
 }
 
 void DicomImageFile::PutHead(DicomTag tag, const char* kind, std::uint32_t length)
 {
   this->Put16(tag >> 16);
   this->Put16(tag & 0xffff);
-  const bool isLong = kind[0] == 'O';
-  if (!this->IsImplicit)
+  this->Bytes.insert(this->Bytes.end(), kind, kind + 2);
+  if (kind[0] != 'O')
   {
-    this->Bytes.insert(this->Bytes.end(), kind, kind + 2);
-    if (!isLong)
-    {
-      this->Put16(length);
-      return;
-    }
-    this->Put16(0);
+    this->Put16(length);
+    return;
   }
+  this->Put16(0);
   this->Put32(length);
 }
 
@@ -72,7 +54,7 @@ void DicomImageFile::PutNumber(DicomTag tag, std::int64_t number)
   this->Put16(static_cast<std::uint32_t>(number));
 }
 
-void DicomImageFile::PutHeader(const std::string& syntax)
+void DicomImageFile::PutHeader()
 {
   const char* const storage = "1.2.840.10008.5.1.4.1.1.7"; // of a secondary capture
   const std::string magic = "DICM";
@@ -80,10 +62,7 @@ void DicomImageFile::PutHeader(const std::string& syntax)
   this->Bytes.insert(this->Bytes.end(), magic.begin(), magic.end());
   this->PutText(0x00020002, "UI", storage);
   this->PutText(0x00020003, "UI", "1.2.3");
-  this->PutText(0x00020010, "UI", syntax);
-  const gdcm::TransferSyntax encoding(FindType(syntax));
-  this->IsImplicit = encoding.IsImplicit();
-  this->IsBigEndian = encoding.GetSwapCode() == gdcm::SwapCode::BigEndian;
+  this->PutText(0x00020010, "UI", this->Slice.Syntax);
   const auto bits = static_cast<std::int64_t>(8 * GetValueSize(this->Slice.Type));
   const bool isSigned = this->Slice.Type == ValueType::Int8 ||
     this->Slice.Type == ValueType::Int16 || this->Slice.Type == ValueType::Int32;
@@ -100,37 +79,6 @@ void DicomImageFile::PutHeader(const std::string& syntax)
   this->PutNumber(0x00280103, isSigned ? 1 : 0);
 }
 
-/// The transfer syntax that the pixels are in. Little-endian ones are the same in all that do not
-/// compress, and some files have such pixels although they say otherwise.
-std::string DicomImageFile::FindSyntax(const DicomDataSet& tags) const
-{
-  const auto type = FindType(this->Slice.Syntax);
-  const bool isPlain = type == gdcm::TransferSyntax::ImplicitVRLittleEndian ||
-    type == gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian ||
-    (IsEncapsulated(this->Slice.Syntax) && !tags.HasFragments());
-  return isPlain ? gdcm::TransferSyntax::GetTSString(gdcm::TransferSyntax::ExplicitVRLittleEndian)
-                 : this->Slice.Syntax;
-}
-
-std::uint64_t DicomImageFile::GetSize() const
-{
-  return static_cast<std::uint64_t>(this->Slice.Rows) *
-    static_cast<std::uint64_t>(this->Slice.Columns) * GetValueSize(this->Slice.Type);
-}
-
-Status DicomImageFile::CheckPixels(const DicomDataSet& tags) const
-{
-  const bool hasFragments = IsEncapsulated(this->FindSyntax(tags));
-  const bool isOther = IsEncapsulated(this->Slice.Syntax) && !hasFragments;
-  if (hasFragments == tags.HasFragments() &&
-    !(isOther && tags.GetPixelSize() > this->GetSize() + 1))
-  {
-    return Status::Ok();
-  }
-  return this->MakeError(
-    "its pixels are not what its transfer syntax " + this->Slice.Syntax + " says");
-}
-
 /// Sets the length that stands before `begin`: of all bytes from there on.
 Status DicomImageFile::PutLength(std::size_t begin)
 {
@@ -143,8 +91,7 @@ Status DicomImageFile::PutLength(std::size_t begin)
   const std::uint64_t length = this->Bytes.size() - begin;
   for (std::size_t byte = 0; byte < 4; ++byte)
   {
-    const std::size_t shift = 8 * (this->IsBigEndian ? 3 - byte : byte);
-    this->Bytes[begin - 4 + byte] = static_cast<std::uint8_t>(length >> shift);
+    this->Bytes[begin - 4 + byte] = static_cast<std::uint8_t>(length >> (8 * byte));
   }
   return Status::Ok();
 }
@@ -157,19 +104,14 @@ Status DicomImageFile::MakeError(const std::string& reason) const
 
 Status DicomImageFile::TakePixels(DicomDataSet& tags)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckPixels(tags));
-  if (!tags.HasFragments() || FindType(this->Slice.Syntax) == gdcm::TransferSyntax::RLELossless)
-  {
-    return this->TakeSamples(tags);
-  }
-  this->PutHeader(this->Slice.Syntax);
+  this->PutHeader();
   this->PutHead(0x7fe00010, "OB", NoLength);
   this->Put32(WrittenItemBegin); // an empty table, then one fragment
   this->Put32(0);
   this->Put32(WrittenItemBegin);
   this->Put32(0);
   const std::size_t begin = this->Bytes.size();
-  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
+  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(0, this->Bytes));
   const auto size = FindCompressedSize(this->Bytes.data() + begin, this->Bytes.size() - begin);
   if (!size)
   {
@@ -185,32 +127,6 @@ Status DicomImageFile::TakePixels(DicomDataSet& tags)
   this->Put32(WrittenSequenceEnd);
   this->Put32(0);
   return Status::Ok();
-}
-
-/// Samples that are not compressed, or by run lengths, which are decoded here.
-Status DicomImageFile::TakeSamples(DicomDataSet& tags)
-{
-  const bool hasRuns = tags.HasFragments();
-  this->PutHeader(hasRuns
-      ? gdcm::TransferSyntax::GetTSString(gdcm::TransferSyntax::ExplicitVRLittleEndian)
-      : this->FindSyntax(tags));
-  this->PutHead(0x7fe00010, hasRuns ? "OW" : tags.GetPixelKind().c_str(), NoLength);
-  const std::size_t begin = this->Bytes.size();
-  if (hasRuns)
-  {
-    std::vector<std::uint8_t> code;
-    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), code));
-    const std::size_t valueSize = GetValueSize(this->Slice.Type);
-    if (!DecodeRunLengths(code, this->GetSize() / valueSize, valueSize, this->Bytes))
-    {
-      return this->MakeError("its run lengths are damaged or truncated");
-    }
-  }
-  else
-  {
-    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(this->GetSize(), this->Bytes));
-  }
-  return this->PutLength(begin);
 }
 
 } // namespace isosurface

@@ -14,9 +14,9 @@ namespace isosurface
 {
 
 /**
- * A DICOM file in memory with the image of a slice, and with nothing else: GDCM, which ends the process
- * for many files that are damaged, gets none that we have not written. What is left to it is to decode
- * the image.
+ * A DICOM file in memory with the compressed image of a slice, and with nothing else: GDCM, which ends
+ * the process for many files that are damaged, gets none that we have not written. What is left to it is
+ * to decode JPEG, JPEG-LS and JPEG 2000.
  */
 class DicomImageFile
 {
@@ -26,29 +26,23 @@ public:
   {
   }
 
-  /// Takes the image from the file of the slice, whose header was read. Errors: Corrupt if its pixels
-  /// are fewer, or not what its transfer syntax says; Unsupported from 4 GiB on.
+  /// Takes the image from the file of the slice, whose header was read. Errors: Corrupt if it begins
+  /// as none of them, or is of another size; Unsupported from 4 GiB on.
   Status TakePixels(DicomDataSet& tags);
   /// The file, which begins with its preamble.
   std::vector<std::uint8_t>& GetBytes() { return this->Bytes; }
 
 private:
-  Status CheckPixels(const DicomDataSet& tags) const;
-  Status TakeSamples(DicomDataSet& tags);
   Status MakeError(const std::string& reason) const;
-  std::string FindSyntax(const DicomDataSet& tags) const;
-  std::uint64_t GetSize() const;
   void PutHead(DicomTag tag, const char* kind, std::uint32_t length);
   void PutText(DicomTag tag, const char* kind, std::string text);
   void PutNumber(DicomTag tag, std::int64_t number);
-  void PutHeader(const std::string& syntax);
+  void PutHeader();
   Status PutLength(std::size_t begin);
   void Put16(std::uint32_t number);
   void Put32(std::uint32_t number);
 
   const DicomSlice& Slice;
-  bool IsBigEndian = false;
-  bool IsImplicit = false;
   std::vector<std::uint8_t> Bytes;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Dicom/DicomSlice.h"
 
+#include "Formats/Dicom/DicomCompression.h"
 #include "Formats/Dicom/DicomDataSet.h"
 #include "Formats/Dicom/DicomImageFile.h"
 #include "Ground/Base/FileSystem.h"
@@ -12,7 +13,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <istream>
 #include <limits>
@@ -31,6 +35,11 @@ constexpr std::int64_t MaximumSide = 65536;
 Status MakeError(const std::string& path, const std::string& reason)
 {
   return Status(StatusCode::Corrupt, path + ": cannot be read: " + reason);
+}
+
+gdcm::TransferSyntax::TSType FindSyntax(const DicomSlice& slice)
+{
+  return gdcm::TransferSyntax::GetTSType(slice.Syntax.c_str());
 }
 
 /// A step of the last digit of a decimal number.
@@ -87,7 +96,7 @@ Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
   slice.Description = tags.GetText(0x0008103e);
   slice.Photometric = tags.GetText(0x00280004);
   slice.Syntax = tags.GetSyntax();
-  if (gdcm::TransferSyntax::GetTSType(slice.Syntax.c_str()) == gdcm::TransferSyntax::TS_END)
+  if (FindSyntax(slice) == gdcm::TransferSyntax::TS_END)
   {
     return Status(StatusCode::Unsupported,
       slice.Path + ": cannot be read: its transfer syntax " + slice.Syntax + " is not supported");
@@ -132,6 +141,79 @@ bool IsImage(const DicomDataSet& tags)
   storage = storage.empty() ? tags.GetText(0x00080016) : storage;
   const auto type = gdcm::MediaStorage::GetMSType(storage.c_str());
   return storage.empty() || gdcm::MediaStorage::IsImage(type);
+}
+
+std::uint64_t GetImageSize(const DicomSlice& slice)
+{
+  return static_cast<std::uint64_t>(slice.Rows) * static_cast<std::uint64_t>(slice.Columns) *
+    GetValueSize(slice.Type);
+}
+
+/// Some files have samples that are not compressed although they say otherwise.
+Status CheckPixels(const DicomDataSet& tags, const DicomSlice& slice)
+{
+  const bool saysFragments = gdcm::TransferSyntax(FindSyntax(slice)).IsEncapsulated();
+  const bool isOther = tags.HasFragments()
+    ? !saysFragments
+    : saysFragments && tags.GetPixelSize() > GetImageSize(slice) + 1;
+  return isOther ? MakeError(slice.Path,
+                     "its image is damaged: its pixels are not what its transfer syntax " +
+                       slice.Syntax + " says")
+                 : Status::Ok();
+}
+
+/// Overlays may be in the bits above those of 16 that are stored.
+void ClearUnusedBits(const DicomSlice& slice, std::vector<std::uint8_t>& samples)
+{
+  const int unused = 16 - slice.BitsStored;
+  if (GetValueSize(slice.Type) != 2 || unused == 0)
+  {
+    return;
+  }
+  for (std::size_t at = 0; at < samples.size(); at += 2)
+  {
+    std::uint16_t bits;
+    std::memcpy(&bits, samples.data() + at, 2);
+    const auto highest = static_cast<std::uint16_t>(bits << unused);
+    bits = slice.Type == ValueType::Int16
+      ? static_cast<std::uint16_t>(static_cast<std::int16_t>(highest) >> unused)
+      : static_cast<std::uint16_t>(highest >> unused);
+    std::memcpy(samples.data() + at, &bits, 2);
+  }
+}
+
+/// Samples that are not compressed, or by run lengths.
+Status ReadSamples(const DicomSlice& slice, DicomDataSet& tags, std::vector<std::uint8_t>& to)
+{
+  const std::uint64_t size = GetImageSize(slice);
+  const std::size_t valueSize = GetValueSize(slice.Type);
+  to.clear();
+  if (tags.HasFragments())
+  {
+    std::vector<std::uint8_t> code;
+    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(size, code));
+    if (!DecodeRunLengths(code, size / valueSize, valueSize, to))
+    {
+      return MakeError(
+        slice.Path, "its image is damaged: its run lengths are damaged or truncated");
+    }
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(size, to));
+  }
+  const auto syntax = FindSyntax(slice);
+  if (syntax == gdcm::TransferSyntax::ExplicitVRBigEndian ||
+    syntax == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE)
+  {
+    for (auto sample = to.begin(); sample != to.end();
+         sample += static_cast<std::ptrdiff_t>(valueSize))
+    {
+      std::reverse(sample, sample + static_cast<std::ptrdiff_t>(valueSize));
+    }
+  }
+  ClearUnusedBits(slice, to);
+  return Status::Ok();
 }
 
 /// A buffer of bytes that GDCM reads.
@@ -206,6 +288,11 @@ Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   DicomDataSet tags(**file);
   ISOSURFACE_RETURN_IF_ERROR(tags.ReadHeader());
+  ISOSURFACE_RETURN_IF_ERROR(CheckPixels(tags, *this));
+  if (!tags.HasFragments() || FindSyntax(*this) == gdcm::TransferSyntax::RLELossless)
+  {
+    return ReadSamples(*this, tags, to);
+  }
   DicomImageFile plain(*this);
   ISOSURFACE_RETURN_IF_ERROR(plain.TakePixels(tags));
   // GDCM promises nothing about threads.
@@ -226,8 +313,7 @@ Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
     }
     const gdcm::Image& image = reader.GetImage();
     const unsigned int* size = image.GetDimensions();
-    const std::size_t bytes =
-      static_cast<std::size_t>(this->Rows * this->Columns) * GetValueSize(this->Type);
+    const auto bytes = static_cast<std::size_t>(GetImageSize(*this));
     if (size[0] != this->Columns || size[1] != this->Rows || image.GetBufferLength() != bytes)
     {
       return MakeError(this->Path, "its image is of another size than its header says");

@@ -151,6 +151,17 @@ Status DicomStream::Append(std::uint64_t size, std::vector<std::uint8_t>& to)
   {
     return this->MakeError(StatusCode::Corrupt, "it is truncated, or has no pixels");
   }
+  if (!this->Deflated) // then they are there
+  {
+    const auto held = static_cast<std::size_t>(std::min<std::uint64_t>(size, this->GetHeld()));
+    const auto rest = static_cast<std::size_t>(size) - held;
+    const std::size_t before = to.size();
+    to.resize(before + static_cast<std::size_t>(size));
+    ISOSURFACE_RETURN_IF_ERROR(this->Read(held, to.data() + before));
+    ISOSURFACE_RETURN_IF_ERROR(this->File.Read(this->Position, rest, to.data() + before + held));
+    this->Position += rest;
+    return Status::Ok();
+  }
   while (size > 0)
   {
     const auto part = static_cast<std::size_t>(std::min(size, AppendSize));

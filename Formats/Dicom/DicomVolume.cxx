@@ -31,12 +31,12 @@ Status MakeError(StatusCode code, const DicomSlice& slice, const std::string& re
 class DicomSource : public BoxSource
 {
 public:
-  DicomSource(Slices slices, ValueType type)
+  DicomSource(std::shared_ptr<const Slices> slices, ValueType type)
     : Series(std::move(slices))
     , Type(type)
     , Box{ { 0, 0, 0 },
-      { this->Series[0].Columns, this->Series[0].Rows,
-        static_cast<std::int64_t>(this->Series.size()) } }
+      { this->Series->front().Columns, this->Series->front().Rows,
+        static_cast<std::int64_t>(this->Series->size()) } }
     , Pool(std::make_shared<PageBufferPool>())
   {
   }
@@ -46,17 +46,22 @@ public:
   {
     return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
   }
-  /// The encoded image and a copy that GDCM makes, the decoded one and another copy.
+  /// A compressed image and a copy that GDCM makes, the decoded one and another copy.
   std::uint64_t GetHeldBytes() const override
   {
     return 5 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *
-      GetValueSize(this->Series[0].Type) +
-      this->Series.size() * 1024;
+      GetValueSize(this->Series->front().Type) +
+      this->Series->size() * 1024;
   }
   /// An image.
   std::optional<Index3> GetChunk() const override
   {
     return Index3{ this->Box.High[0], this->Box.High[1], 1 };
+  }
+
+  std::unique_ptr<BoxSource> Fork() const override
+  {
+    return std::make_unique<DicomSource>(this->Series, this->Type);
   }
 
   Result<BoxSamples> Read(const VertexBox& box) override
@@ -68,7 +73,7 @@ public:
     std::uint8_t* to = (*samples)->GetData();
     for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
     {
-      const DicomSlice& slice = this->Series[static_cast<std::size_t>(k)];
+      const DicomSlice& slice = (*this->Series)[static_cast<std::size_t>(k)];
       ISOSURFACE_RETURN_IF_ERROR(slice.Decode(this->Image));
       for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
       {
@@ -83,7 +88,7 @@ public:
   }
 
 private:
-  Slices Series;
+  std::shared_ptr<const Slices> Series;
   ValueType Type;
   VertexBox Box;
   std::vector<std::uint8_t> Image;
@@ -390,7 +395,8 @@ Result<OpenedVolume> OpenDicomVolume(
   {
     volume.Files.push_back(slice.Path);
   }
-  volume.Source = std::make_unique<DicomSource>(std::move(*slices), type);
+  volume.Source =
+    std::make_unique<DicomSource>(std::make_shared<const Slices>(std::move(*slices)), type);
   return volume;
 }
 

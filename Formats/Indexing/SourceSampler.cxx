@@ -9,7 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -69,7 +69,9 @@ private:
   }
   /// Reads this rank's share of the boxes.
   Status ReadBoxes(const std::vector<VertexBox>& boxes);
-  Status ReadBox(OpenedVolume& volume, Tile& tile) const;
+  /// Another source for a thread.
+  Result<std::unique_ptr<BoxSource>> OpenAgain() const;
+  Status ReadBox(BoxSource& source, Tile& tile) const;
   /// The parts of a box that are worth reading.
   std::vector<VertexBox> FindReads(const VertexBox& box) const;
   std::size_t FindSampleSize(std::size_t variable) const
@@ -89,7 +91,7 @@ private:
   const Progress& Advance;
   VolumeChoice Choice;
   const Clock::time_point Begin = Clock::now();
-  std::vector<std::optional<OpenedVolume>> Volumes; ///< of each thread; the first is open
+  std::vector<std::unique_ptr<BoxSource>> Sources; ///< of each thread; the first is open
   SampledVolume Volume;
   std::unique_ptr<ReadingOrder> Order;
   Lattice Complete;        ///< of the tiles of all ranks
@@ -108,9 +110,20 @@ Status Sampler::Open()
     volume->Source->GetReadBytes(
       VertexBox{ { 0, 0, 0 }, chunk.value_or(box.High) }.Intersect(box)));
   // A second reader of a stream would read it from the front.
-  this->Volumes.resize(chunk ? std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads) : 1);
-  this->Volumes.front() = std::move(*volume);
+  this->Sources.resize(chunk ? std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads) : 1);
+  this->Sources.front() = std::move(volume->Source);
   return Status::Ok();
+}
+
+Result<std::unique_ptr<BoxSource>> Sampler::OpenAgain() const
+{
+  if (auto forked = this->Sources.front()->Fork())
+  {
+    return forked;
+  }
+  auto volume = OpenForeignVolume(this->Files, this->Index.Source, this->Choice);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  return std::move(volume->Source);
 }
 
 Status Sampler::Read()
@@ -149,20 +162,20 @@ Status Sampler::ReadBoxes(const std::vector<VertexBox>& boxes)
   }
   FirstFailure failure;
   const bool isDone = ParallelFor(
-    this->Tiles.size() - first, static_cast<int>(this->Volumes.size()),
+    this->Tiles.size() - first, static_cast<int>(this->Sources.size()),
     [&](std::size_t tile, int thread)
     {
       failure.Run(
         [&]() -> Status
         {
-          std::optional<OpenedVolume>& volume = this->Volumes[static_cast<std::size_t>(thread)];
-          if (!volume)
+          std::unique_ptr<BoxSource>& source = this->Sources[static_cast<std::size_t>(thread)];
+          if (!source)
           {
-            auto opened = OpenForeignVolume(this->Files, this->Index.Source, this->Choice);
+            auto opened = this->OpenAgain();
             ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-            volume = std::move(*opened);
+            source = std::move(*opened);
           }
-          return this->ReadBox(*volume, this->Tiles[first + tile]);
+          return this->ReadBox(*source, this->Tiles[first + tile]);
         });
     },
     [this](double)
@@ -196,7 +209,7 @@ std::vector<VertexBox> Sampler::FindReads(const VertexBox& box) const
   return rows;
 }
 
-Status Sampler::ReadBox(OpenedVolume& volume, Tile& tile) const
+Status Sampler::ReadBox(BoxSource& source, Tile& tile) const
 {
   const Index3& step = this->Order->GetStep();
   const VertexBox numbers = Lattice{ tile.Box, step }.GetNumbers();
@@ -207,7 +220,7 @@ Status Sampler::ReadBox(OpenedVolume& volume, Tile& tile) const
   }
   for (const VertexBox& read : count > 0 ? this->FindReads(tile.Box) : std::vector<VertexBox>())
   {
-    const auto slab = volume.Source->Read(read);
+    const auto slab = source.Read(read);
     ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
     if (!slab->Fits(this->Volume.Types, read))
     {

@@ -68,6 +68,10 @@ public:
   /// call it at the same time.
   virtual bool CanReadAhead() const { return true; }
 
+  /// Another source of the same samples, for another thread: what was read to open this one is shared.
+  /// May be called while a thread reads. Null if the file has to be opened again.
+  virtual std::unique_ptr<BoxSource> Fork() const { return nullptr; }
+
   /// The samples of a box within GetBox(). Errors name the file and the reason.
   virtual Result<BoxSamples> Read(const VertexBox& box) = 0;
 };

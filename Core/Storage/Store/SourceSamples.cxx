@@ -66,6 +66,7 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, Vo
     {
       array.Chunks[axis] = (samples->Box.High[axis] - 1) / array.Chunk[axis] + 1;
     }
+    array.Parent = (*source)->Fork();
     array.Idle.push_back(std::move(*source));
     samples->ArrayOf.resize(samples->ArrayOf.size() + array.Components, samples->Arrays.size());
     samples->Arrays.push_back(std::move(array));
@@ -118,7 +119,7 @@ Result<std::unique_ptr<BoxSource>> SourceSamples::Take(Array& array)
       return source;
     }
   }
-  return this->OpenArray(array);
+  return array.Parent ? array.Parent->Fork() : this->OpenArray(array);
 }
 
 void SourceSamples::GiveBack(Array& array, std::unique_ptr<BoxSource> source)

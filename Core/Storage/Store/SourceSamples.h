@@ -73,6 +73,7 @@ private:
     std::size_t Components = 1;
     Index3 Chunk = { 1, 1, 1 };
     Index3 Chunks = { 1, 1, 1 }; ///< on each axis
+    std::unique_ptr<BoxSource> Parent; ///< of all others, never read; null if they cannot be forked
     /// Open ones that no thread reads at the moment.
     std::vector<std::unique_ptr<BoxSource>> Idle;
   };

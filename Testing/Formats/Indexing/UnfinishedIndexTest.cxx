@@ -390,12 +390,18 @@ void RemoveUnfinished(const std::string& folder)
     EXPECT_EQ(std::filesystem::exists(path + ".stores"), std::filesystem::exists(path));
     return;
   }
+  // The index that a program has finished is replaced by the next program's.
+  BlockedVolumeHeader named;
+  if (std::filesystem::exists(path))
+  {
+    named = Require(BlockedVolumeHeader::Read(GetLocalFileSystem(), path));
+  }
+  named.TimeSteps.emplace_back().Folder = Require(WriteJournal::Parse(found->second, path)).Folder;
   auto kept = before;
-  const std::string named = Require(WriteJournal::Parse(found->second, path)).Folder + "/";
   for (auto file = kept.begin(); file != kept.end();)
   {
     const bool isNamed =
-      file->first == "journal" || file->first.compare(0, named.size(), named) == 0;
+      file->first == "journal" || named.HasFolder(file->first.substr(0, file->first.find('/')));
     file = isNamed ? std::next(file) : kept.erase(file);
   }
   EXPECT_EQ(ReadStores(folder), kept);

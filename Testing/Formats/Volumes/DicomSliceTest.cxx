@@ -5,6 +5,7 @@
 #include "Formats/Dicom/DicomSlice.h"
 #include "Formats/Opener/ForeignVolume.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -136,21 +137,51 @@ TEST(DicomSlice, TruncatedPixelsAreAnErrorAndMoreThanNeededAreNot)
   ExpectSamples(more.PutBytes(0x7fe00010, "OW", pixels), SlicePixels);
 }
 
-TEST(DicomSlice, SamplesWithUnusedBitsAreRead)
+TEST(DicomSlice, UnusedBitsAreCleared)
 {
-  const auto make = [](std::uint32_t bits, std::uint32_t stored, std::uint32_t highest)
+  const auto make = [](std::uint32_t bits, std::uint32_t stored, std::uint32_t highest,
+                      std::uint32_t isSigned, const Bytes& pixels)
   {
     DicomBytes bytes;
     bytes.PutStart(SliceSyntax).PutText(0x00280004, "CS", "MONOCHROME2");
-    bytes.PutNumber(0x00280010, 2).PutNumber(0x00280011, 6).PutNumber(0x00280100, bits);
+    bytes.PutNumber(0x00280010, 1).PutNumber(0x00280011, 2).PutNumber(0x00280100, bits);
     bytes.PutNumber(0x00280101, stored).PutNumber(0x00280102, highest);
-    return bytes.PutBytes(0x7fe00010, "OW", bits == 8 ? SlicePixels : Bytes(24, 0xff));
+    return bytes.PutNumber(0x00280103, isSigned).PutBytes(0x7fe00010, "OW", pixels);
   };
-  ExpectSamples(make(8, 7, 6), SlicePixels);
-  Bytes samples;
-  EXPECT_EQ(FindError(make(16, 12, 11), &samples), "");
-  EXPECT_EQ(samples[0] | samples[1] << 8, 0x0fff);
-  ExpectRefused(make(16, 12, 15), "not in the lowest bits");
+  ExpectSamples(make(8, 7, 6, 0, { 0x81, 2 }), { 0x81, 2 }); // of 8 bits all are taken
+  const Bytes pixels = { 0x34, 0x18, 0x21, 0xf7 };
+  ExpectSamples(make(16, 16, 15, 1, pixels), pixels);
+  ExpectSamples(make(16, 12, 11, 0, pixels), { 0x34, 0x08, 0x21, 0x07 });
+  ExpectSamples(make(16, 12, 11, 1, pixels), { 0x34, 0xf8, 0x21, 0x07 });
+  ExpectSamples(make(16, 1, 0, 1, pixels), { 0, 0, 0xff, 0xff });
+  ExpectRefused(make(16, 12, 15, 0, pixels), "not in the lowest bits");
+}
+
+TEST(DicomSlice, SamplesOfEitherByteOrderAreRead)
+{
+  const std::string big = "1.2.840.10008.1.2.2";
+  const std::string bigPixels = "1.2.840.113619.5.2"; // of GE: behind a little-endian header
+  const Bytes pixels = { 1, 2, 3, 4, 5, 6, 7, 8 };
+  for (const std::string& syntax : { SliceSyntax, bigPixels, big })
+  {
+    for (const std::uint32_t bits : { 8U, 16U, 32U })
+    {
+      DicomBytes bytes;
+      bytes.PutStart(syntax);
+      bytes.IsBigEndian = syntax == big;
+      bytes.IsImplicit = syntax == bigPixels;
+      bytes.PutText(0x00280004, "CS", "MONOCHROME2").PutNumber(0x00280010, 64 / bits);
+      bytes.PutNumber(0x00280011, 1).PutNumber(0x00280100, bits).PutNumber(0x00280101, bits);
+      bytes.PutNumber(0x00280102, bits - 1).PutBytes(0x7fe00010, "OB", pixels);
+      Bytes expected = pixels;
+      const auto size = static_cast<std::ptrdiff_t>(syntax == SliceSyntax ? 1 : bits / 8);
+      for (auto sample = expected.begin(); sample != expected.end(); sample += size)
+      {
+        std::reverse(sample, sample + size);
+      }
+      ExpectSamples(bytes, expected);
+    }
+  }
 }
 
 TEST(DicomSlice, RunLengthsAreDecodedWithinTheirBounds)
