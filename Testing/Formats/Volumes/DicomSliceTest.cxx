@@ -6,6 +6,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -252,6 +253,36 @@ TEST(DicomSlice, ACompressedImageOfAnotherSizeIsAnError)
   // A marker that is skipped comes before the size.
   code.insert(code.begin() + 2, { 0xff, 0x30 });
   ExpectRefused(make(wavelets, code), "does not begin as JPEG");
+}
+
+TEST(DicomVolume, IsForkedWithoutItsHeadersBeingReadAgain)
+{
+  const std::filesystem::path folder =
+    testing::TempDir() + "DicomVolume-fork-" + std::to_string(::getpid());
+  std::filesystem::create_directory(folder);
+  for (const std::string number : { "0", "1" })
+  {
+    DicomBytes bytes;
+    bytes.PutStart(SliceSyntax).PutText(0x0020000e, "UI", "1.2.3");
+    bytes.PutText(0x00200032, "DS", "0\\0\\" + number);
+    bytes.PutText(0x00200037, "DS", "1\\0\\0\\0\\1\\0").PutText(0x00280004, "CS", "MONOCHROME2");
+    bytes.PutNumber(0x00280010, 2).PutNumber(0x00280011, 3).PutNumber(0x00280100, 16);
+    bytes.PutBytes(0x7fe00010, "OW", SlicePixels);
+    std::ofstream(folder / (number + ".dcm"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.Get().data()),
+        static_cast<std::streamsize>(bytes.Get().size()));
+  }
+  const auto opened = OpenForeignVolume(GetLocalFileSystem(), folder.string());
+  ASSERT_TRUE(opened.IsOk()) << opened.GetStatus().GetMessage();
+  ASSERT_EQ(opened->Source->GetBox().High, (Index3{ 3, 2, 2 }));
+  std::filesystem::remove(folder / "1.dcm"); // a header of two
+  const auto forked = opened->Source->Fork();
+  ASSERT_NE(forked, nullptr);
+  const auto samples = forked->Read({ { 0, 0, 0 }, { 3, 2, 1 } });
+  ASSERT_TRUE(samples.IsOk()) << samples.GetStatus().GetMessage();
+  EXPECT_EQ(std::memcmp(samples->Arrays.at(0).First, SlicePixels.data(), SlicePixels.size()), 0);
+  EXPECT_EQ(forked->Read({ { 0, 0, 1 }, { 3, 2, 2 } }).GetStatus().GetCode(), StatusCode::NotFound);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(DicomSlice, APathThatTheSystemRefusesIsAnError)
