@@ -59,10 +59,14 @@ public:
 
   /// The following may be called after ReadHeader(). Whether the pixels are fragments.
   bool HasFragments() const;
+  /// Whether the elements, and so pixels that are no fragments, are big-endian.
+  bool IsBigEndian() const { return this->Main.IsBigEndian; }
+  /// Whether the pixels are big-endian words of 16 bits, whatever their samples have.
+  bool HasBigEndianWords() const { return this->Main.IsBigEndian && this->Pixels.Kind != "OB"; }
   /// The number of bytes of pixels that are no fragments.
   std::uint64_t GetPixelSize() const { return this->Pixels.Length; }
   /// Appends that many bytes of pixels that are no fragments, or joins all fragments but the first,
-  /// which is a table. Once.
+  /// which is a table, whatever the size. Once.
   Status AppendPixels(std::uint64_t size, std::vector<std::uint8_t>& to);
 
 private:

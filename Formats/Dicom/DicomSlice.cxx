@@ -182,38 +182,37 @@ void ClearUnusedBits(const DicomSlice& slice, std::vector<std::uint8_t>& samples
   }
 }
 
-/// Samples that are not compressed, or by run lengths.
+/// Samples that are not compressed.
 Status ReadSamples(const DicomSlice& slice, DicomDataSet& tags, std::vector<std::uint8_t>& to)
 {
-  const std::uint64_t size = GetImageSize(slice);
-  const std::size_t valueSize = GetValueSize(slice.Type);
+  const auto size = static_cast<std::size_t>(GetImageSize(slice));
+  const bool isBigEndian =
+    tags.IsBigEndian() || FindSyntax(slice) == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE;
+  // Samples of 8 bits may be in words of 16, the first of two in the low byte.
+  const std::size_t word =
+    std::max<std::size_t>(tags.HasBigEndianWords() ? 2 : 1, GetValueSize(slice.Type));
+  const std::size_t whole = (size + word - 1) / word * word;
   to.clear();
-  if (tags.HasFragments())
+  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(tags.GetPixelSize() < whole ? size : whole, to));
+  for (std::size_t end = word; isBigEndian && end <= to.size(); end += word)
   {
-    std::vector<std::uint8_t> code;
-    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(size, code));
-    if (!DecodeRunLengths(code, size / valueSize, valueSize, to))
-    {
-      return MakeError(
-        slice.Path, "its image is damaged: its run lengths are damaged or truncated");
-    }
+    const auto last = to.begin() + static_cast<std::ptrdiff_t>(end);
+    std::reverse(last - static_cast<std::ptrdiff_t>(word), last);
   }
-  else
-  {
-    ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(size, to));
-  }
-  const auto syntax = FindSyntax(slice);
-  if (syntax == gdcm::TransferSyntax::ExplicitVRBigEndian ||
-    syntax == gdcm::TransferSyntax::ImplicitVRBigEndianPrivateGE)
-  {
-    for (auto sample = to.begin(); sample != to.end();
-         sample += static_cast<std::ptrdiff_t>(valueSize))
-    {
-      std::reverse(sample, sample + static_cast<std::ptrdiff_t>(valueSize));
-    }
-  }
-  ClearUnusedBits(slice, to);
+  to.resize(size);
   return Status::Ok();
+}
+
+/// Samples by run lengths.
+Status ReadRunLengths(const DicomSlice& slice, DicomDataSet& tags, std::vector<std::uint8_t>& to)
+{
+  const std::size_t valueSize = GetValueSize(slice.Type);
+  std::vector<std::uint8_t> code;
+  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(0, code));
+  to.clear();
+  return DecodeRunLengths(code, GetImageSize(slice) / valueSize, valueSize, to)
+    ? Status::Ok()
+    : MakeError(slice.Path, "its image is damaged: its run lengths are damaged or truncated");
 }
 
 /// A buffer of bytes that GDCM reads.
@@ -291,7 +290,10 @@ Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
   ISOSURFACE_RETURN_IF_ERROR(CheckPixels(tags, *this));
   if (!tags.HasFragments() || FindSyntax(*this) == gdcm::TransferSyntax::RLELossless)
   {
-    return ReadSamples(*this, tags, to);
+    ISOSURFACE_RETURN_IF_ERROR(
+      tags.HasFragments() ? ReadRunLengths(*this, tags, to) : ReadSamples(*this, tags, to));
+    ClearUnusedBits(*this, to);
+    return Status::Ok();
   }
   DicomImageFile plain(*this);
   ISOSURFACE_RETURN_IF_ERROR(plain.TakePixels(tags));

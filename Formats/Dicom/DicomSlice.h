@@ -42,7 +42,8 @@ struct DicomSlice
   static Result<DicomSlice> Read(const std::string& path);
 
   /// Decodes the image, with any transfer syntax that GDCM supports. `to`: Rows * Columns samples of
-  /// Type. Errors: Corrupt, which names the file.
+  /// Type. May be called by several threads at once; those of compressed images wait for each other.
+  /// Errors name the file: Corrupt; Unsupported if it is compressed and has 4 GiB; those of the file.
   Status Decode(std::vector<std::uint8_t>& to) const;
 };
 

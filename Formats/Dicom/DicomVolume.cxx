@@ -46,7 +46,7 @@ public:
   {
     return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type);
   }
-  /// A compressed image and a copy that GDCM makes, the decoded one and another copy.
+  /// A compressed image and a copy that GDCM makes, the decoded one and another copy; less of others.
   std::uint64_t GetHeldBytes() const override
   {
     return 5 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *

@@ -73,7 +73,8 @@ private:
     std::size_t Components = 1;
     Index3 Chunk = { 1, 1, 1 };
     Index3 Chunks = { 1, 1, 1 }; ///< on each axis
-    std::unique_ptr<BoxSource> Parent; ///< of all others, never read; null if they cannot be forked
+    /// Others are forked from it, so it is never read; null if the source cannot be forked.
+    std::unique_ptr<BoxSource> Parent;
     /// Open ones that no thread reads at the moment.
     std::vector<std::unique_ptr<BoxSource>> Idle;
   };

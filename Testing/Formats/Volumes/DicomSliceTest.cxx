@@ -5,7 +5,6 @@
 #include "Formats/Dicom/DicomSlice.h"
 #include "Formats/Opener/ForeignVolume.h"
 
-#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -163,26 +162,30 @@ TEST(DicomSlice, SamplesOfEitherByteOrderAreRead)
   const std::string big = "1.2.840.10008.1.2.2";
   const std::string bigPixels = "1.2.840.113619.5.2"; // of GE: behind a little-endian header
   const Bytes pixels = { 1, 2, 3, 4, 5, 6, 7, 8 };
-  for (const std::string& syntax : { SliceSyntax, bigPixels, big })
+  const auto expect = [&](const std::string& syntax, const std::string& kind, std::uint32_t bits,
+                        std::uint32_t samples, const Bytes& expected)
   {
-    for (const std::uint32_t bits : { 8U, 16U, 32U })
-    {
-      DicomBytes bytes;
-      bytes.PutStart(syntax);
-      bytes.IsBigEndian = syntax == big;
-      bytes.IsImplicit = syntax == bigPixels;
-      bytes.PutText(0x00280004, "CS", "MONOCHROME2").PutNumber(0x00280010, 64 / bits);
-      bytes.PutNumber(0x00280011, 1).PutNumber(0x00280100, bits).PutNumber(0x00280101, bits);
-      bytes.PutNumber(0x00280102, bits - 1).PutBytes(0x7fe00010, "OB", pixels);
-      Bytes expected = pixels;
-      const auto size = static_cast<std::ptrdiff_t>(syntax == SliceSyntax ? 1 : bits / 8);
-      for (auto sample = expected.begin(); sample != expected.end(); sample += size)
-      {
-        std::reverse(sample, sample + size);
-      }
-      ExpectSamples(bytes, expected);
-    }
-  }
+    DicomBytes bytes;
+    bytes.PutStart(syntax);
+    bytes.IsBigEndian = syntax == big;
+    bytes.IsImplicit = syntax == bigPixels;
+    bytes.PutText(0x00280004, "CS", "MONOCHROME2").PutNumber(0x00280010, samples);
+    bytes.PutNumber(0x00280011, 1).PutNumber(0x00280100, bits).PutNumber(0x00280101, bits);
+    ExpectSamples(
+      bytes.PutNumber(0x00280102, bits - 1).PutBytes(0x7fe00010, kind, pixels), expected);
+  };
+  const Bytes oddPixels = { 1, 2, 3, 4, 5, 6, 7 };
+  const Bytes swapped = { 2, 1, 4, 3, 6, 5, 8, 7 };
+  const Bytes reversed = { 4, 3, 2, 1, 8, 7, 6, 5 };
+  expect(SliceSyntax, "OW", 8, 7, oddPixels);
+  expect(SliceSyntax, "OW", 32, 2, pixels);
+  expect(bigPixels, "OW", 8, 7, oddPixels);
+  expect(bigPixels, "OW", 16, 4, swapped);
+  expect(bigPixels, "OW", 32, 2, reversed);
+  expect(big, "OB", 8, 7, oddPixels);
+  expect(big, "OW", 8, 7, { 2, 1, 4, 3, 6, 5, 8 });
+  expect(big, "OW", 16, 4, swapped);
+  expect(big, "OW", 32, 2, reversed);
 }
 
 TEST(DicomSlice, RunLengthsAreDecodedWithinTheirBounds)
