@@ -22,6 +22,8 @@ namespace
 
 using Slices = std::vector<DicomSlice>;
 
+constexpr const char* NoImages = "there are no images of DICOM";
+
 Status MakeError(StatusCode code, const DicomSlice& slice, const std::string& reason)
 {
   return Status(code, slice.Path + ": cannot be read: " + reason);
@@ -171,7 +173,7 @@ Result<Slices> ChooseSeries(const VolumeName& name)
   {
     return Status(StatusCode::NotFound,
       name.GetText() + ": cannot be read: " +
-        (known.empty() ? "there are no images of DICOM"
+        (known.empty() ? NoImages
                        : "name one of its series, as in " + name.Path + ":UID: " + known));
   }
   return std::move(*fitting[0]);
@@ -404,6 +406,10 @@ Result<std::vector<VolumeListing>> ListDicom(FileSystem& /*files*/, const Volume
 {
   const auto all = FindSeries(FindFolder(name.Path));
   ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
+  if (all->empty())
+  {
+    return Status(StatusCode::NotFound, name.GetText() + ": cannot be read: " + NoImages);
+  }
   std::vector<VolumeListing> list;
   for (const auto& [uid, slices] : *all)
   {

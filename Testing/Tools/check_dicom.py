@@ -214,6 +214,12 @@ class PlacesAndErrors(Files):
         self.assertNotIn("tilted", err)
 
     def test_files_of_other_kinds_are_told(self):
+        os.mkdir(self.path("none"))
+        with open(self.path("none/a.dcm"), "wb") as file:
+            file.write(bytes(range(256)))
+        code, out, err = self.run_tool("--list", "none/a.dcm")
+        self.assertEqual((code, out, err.count("\n")), (1, "", 1), err)
+        self.assertIn("none/a.dcm: cannot be read: there are no images of DICOM", err)
         samples = make_samples("int16", SHAPE)
         path = self.save("frames", samples[:1])
         file = dcmread(path)
