@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From a file that nobody has indexed to a picture, beside programs that read the file first.
 
-    first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz dcm zarr ome h5 tif ome.tif] [--isovalue V] [--no-peers] [--warm]
-                     [--sample-only]
+    first_contact.py [FOLDER] [--sides N N N] [--formats mhd nii.gz dcm zarr ome h5 tif ome.tif] [--isovalue V]
+                     [--no-peers] [--warm] [--sample-only]
 
 Writes a volume of int16 that is N[0] wide, N[1] high and N[2] deep, a ball with noise, as MetaImage, NIfTI
 (gzip 1), Zarr (blosc lz4), OME-Zarr (with a pyramid of averages) and HDF5 (shuffle, gzip 1), chunks of 64,
-and, if asked for, TIFF (deflate 1, tiles of 256 x 256, without or with smaller images of averages) and DICOM (a
-file a slice, not compressed) into the folder. Then, each in a process of its own that has loaded its libraries, without the file in the
-system's cache (that takes root; --warm leaves it there):
+and, if asked for, DICOM (a file a slice, not compressed) and TIFF (deflate 1, tiles of 256 x 256, without or
+with smaller images of averages) into the folder. Then, each in a process of its own that has loaded its
+libraries, without the file in the system's cache (that takes root; --warm leaves it there):
 
     picture   seconds from opening the file to the first picture of the surface, that of a sample
     part      until a part of it is exact, beside the window; --sample-only leaves such parts out, so that two

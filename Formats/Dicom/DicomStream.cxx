@@ -136,6 +136,11 @@ Status DicomStream::Read(std::size_t size, void* bytes)
   auto* to = static_cast<std::uint8_t*>(bytes);
   while (size > 0)
   {
+    if (!this->Deflated && this->GetHeld() == 0 && size >= WindowSize)
+    {
+      this->Position += size;
+      return this->File.Read(this->Position - size, size, to); // samples, past the window
+    }
     const std::size_t part = std::min(size, std::max<std::size_t>(1, this->GetHeld()));
     ISOSURFACE_RETURN_IF_ERROR(this->Peek(part, to));
     this->Begin += part;
@@ -151,20 +156,9 @@ Status DicomStream::Append(std::uint64_t size, std::vector<std::uint8_t>& to)
   {
     return this->MakeError(StatusCode::Corrupt, "it is truncated, or has no pixels");
   }
-  if (!this->Deflated) // then they are there
-  {
-    const auto held = static_cast<std::size_t>(std::min<std::uint64_t>(size, this->GetHeld()));
-    const auto rest = static_cast<std::size_t>(size) - held;
-    const std::size_t before = to.size();
-    to.resize(before + static_cast<std::size_t>(size));
-    ISOSURFACE_RETURN_IF_ERROR(this->Read(held, to.data() + before));
-    ISOSURFACE_RETURN_IF_ERROR(this->File.Read(this->Position, rest, to.data() + before + held));
-    this->Position += rest;
-    return Status::Ok();
-  }
   while (size > 0)
   {
-    const auto part = static_cast<std::size_t>(std::min(size, AppendSize));
+    const auto part = static_cast<std::size_t>(this->Deflated ? std::min(size, AppendSize) : size);
     to.resize(to.size() + part);
     ISOSURFACE_RETURN_IF_ERROR(this->Read(part, to.data() + to.size() - part));
     size -= part;

@@ -78,14 +78,16 @@ class Series(Files):
                 self.assert_equal_volumes(path, self.write_raw(
                     samples, "DICOM", spacing=(0.5, 0.25, 2), origin=(-3, 7, 1.5)))
 
-    def test_lossless_compressions(self):
-        # One image of pydicom, in four transfer syntaxes, as a series of three slices.
-        plain = dcmread(get_testdata_file("MR_small.dcm"))
-        samples = numpy.stack([plain.pixel_array] * 3)
-        spacing = (float(plain.PixelSpacing[1]), float(plain.PixelSpacing[0]), 2)
-        for name in ("MR_small_bigendian", "MR_small_RLE", "MR_small_jp2klossless",
-                     "MR_small_jpeg_ls_lossless"):
+    def test_the_same_image_in_other_transfer_syntaxes(self):
+        # Images of pydicom, as series of three slices; those of the dose have 32 bits.
+        for name, of_name in (("MR_small_bigendian", "MR_small"), ("MR_small_RLE", "MR_small"),
+                              ("MR_small_jp2klossless", "MR_small"),
+                              ("MR_small_jpeg_ls_lossless", "MR_small"),
+                              ("rtdose_expb_1frame", "rtdose_1frame")):
             with self.subTest(name=name):
+                plain = dcmread(get_testdata_file(of_name + ".dcm"))
+                samples = numpy.stack([plain.pixel_array] * 3)
+                spacing = (float(plain.PixelSpacing[1]), float(plain.PixelSpacing[0]), 2)
                 file = dcmread(get_testdata_file(name + ".dcm"))
                 os.makedirs(self.path(name))
                 for number in range(3):

@@ -70,20 +70,21 @@ public:
     this->All.insert(this->All.end(), text.begin(), text.end());
     return *this;
   }
-  /// What says of which size and type an image is, and where it lies: one of 16 bits.
-  DicomBytes& PutImage(std::uint32_t columns, std::uint32_t rows)
+  /// What says of which size and type an image is, and where it lies.
+  DicomBytes& PutImage(std::uint32_t columns, std::uint32_t rows, std::uint32_t bits = 16,
+    const std::string& place = "1\\2\\3")
   {
     return this->PutText(0x0008103e, "LO", "head")
       .PutText(0x0020000e, "UI", "1.2.3")
-      .PutText(0x00200032, "DS", "1\\2\\3")
+      .PutText(0x00200032, "DS", place)
       .PutText(0x00200037, "DS", "1\\0\\0\\0\\1\\0")
       .PutNumber(0x00280002, 1)
       .PutText(0x00280004, "CS", "MONOCHROME2")
       .PutNumber(0x00280010, rows)
       .PutNumber(0x00280011, columns)
-      .PutNumber(0x00280100, 16)
-      .PutNumber(0x00280101, 16)
-      .PutNumber(0x00280102, 15)
+      .PutNumber(0x00280100, bits)
+      .PutNumber(0x00280101, bits)
+      .PutNumber(0x00280102, bits - 1)
       .PutNumber(0x00280103, 0);
   }
   DicomBytes& Put(std::uint32_t number, std::size_t size)
