@@ -125,6 +125,30 @@ vtkSmartPointer<vtkDataArray> AddPointArray(
   return values;
 }
 
+/// Whether an algorithm, or one that it has its input from, is the reader of a volume.
+bool IsBehind(vtkAlgorithm* algorithm, const vtkBlockedVolumeHandle& handle)
+{
+  for (int port = 0; port < algorithm->GetNumberOfOutputPorts(); ++port)
+  {
+    const isosurface::VolumeInput output(algorithm->GetOutputInformation(port));
+    if (output && &output.GetHandle() == &handle)
+    {
+      return true;
+    }
+  }
+  for (int port = 0; port < algorithm->GetNumberOfInputPorts(); ++port)
+  {
+    for (int input = 0; input < algorithm->GetNumberOfInputConnections(port); ++input)
+    {
+      if (IsBehind(algorithm->GetInputAlgorithm(port, input), handle))
+      {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 } // namespace
 
 struct vtkVolumeProbe::Steps
@@ -214,7 +238,14 @@ int vtkVolumeProbe::RequestInformation(
 int vtkVolumeProbe::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  isosurface::AskVolume(*this, input[0]->GetInformationObject(0), output->GetInformationObject(0));
+  vtkInformation* inInfo = input[0]->GetInformationObject(0);
+  isosurface::AskVolume(*this, inInfo, output->GetInformationObject(0));
+  const isosurface::VolumeInput volume(inInfo);
+  if (volume && IsBehind(this->GetInputAlgorithm(1, 0), volume.GetHandle()))
+  {
+    // What makes the points needs the output of the same reader, in this same update.
+    volume.GetHandle().EndTaking(this);
+  }
   return 1;
 }
 

@@ -9,6 +9,7 @@
 #include "vtkBlockedVolumeReader.h"
 #include "vtkInformationBlockedVolumeKey.h"
 #include "vtkStabbingContour.h"
+#include "vtkVolumeProbe.h"
 
 #include "vtkArrayCalculator.h"
 #include "vtkCellData.h"
@@ -302,9 +303,13 @@ protected:
   void ExpectAllCellsInThreshold()
   {
     this->Threshold->Update();
+    this->ExpectAllCells(this->Threshold->GetOutputDataObject(0));
+  }
+
+  void ExpectAllCells(vtkDataObject* pieces)
+  {
     vtkIdType cells = 0;
-    for (vtkDataSet* dataSet :
-      vtkCompositeDataSet::GetDataSets<vtkDataSet>(this->Threshold->GetOutputDataObject(0)))
+    for (vtkDataSet* dataSet : vtkCompositeDataSet::GetDataSets<vtkDataSet>(pieces))
     {
       vtkDataArray* ghosts = dataSet->GetCellData()->GetArray("vtkGhostType");
       for (vtkIdType cell = 0; cell < dataSet->GetNumberOfCells(); ++cell)
@@ -369,6 +374,34 @@ TEST_P(HandleBesideStock, StockConsumerAfterContourSeesAllCells)
   this->Reader->Modified();
   this->Reader->Update();
   EXPECT_TRUE((BlockChecks{ this->Image }.HaveEachCellOnce({ this->Reader->GetOutput() })));
+}
+
+TEST_P(HandleBesideStock, ProbedPointsThatAreMadeOfTheSameVolumeAreOfAllOfIt)
+{
+  vtkNew<vtkPassThrough> pass;
+  pass->SetInputConnection(this->Reader->GetOutputPort());
+  vtkAlgorithm* input = this->Reader;
+  if (GetParam())
+  {
+    input = pass;
+  }
+  this->Threshold->SetInputConnection(input->GetOutputPort());
+  this->Threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
+  this->Threshold->SetLowerThreshold(1e9);
+  SelectPoints(this->Threshold, "density");
+  vtkNew<vtkVolumeProbe> probe;
+  probe->SetInputConnection(input->GetOutputPort());
+  probe->SetSourceConnection(this->Threshold->GetOutputPort());
+  for (int turn = 0; turn < 2; ++turn)
+  {
+    probe->Update();
+    this->ExpectAllCells(probe->GetOutputDataObject(0));
+    // A box is what the next probe finds in the reader.
+    vtkNew<vtkStabbingContour> contour;
+    Connect(contour, input);
+    this->Reader->Modified();
+    this->ExpectSurface(contour, High);
+  }
 }
 
 std::string NameOfInput(const testing::TestParamInfo<bool>& info)
