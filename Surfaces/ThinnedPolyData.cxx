@@ -3,6 +3,7 @@
 
 #include "vtkAbstractArray.h"
 #include "vtkCellArray.h"
+#include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkFieldData.h"
 #include "vtkNew.h"
@@ -59,13 +60,9 @@ vtkSmartPointer<vtkAbstractArray> CopyTuples(
   return copy;
 }
 
-void CopyPoints(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* thinned)
+void CopyArrays(vtkDataSetAttributes* arrays, const std::vector<std::uint32_t>& tuples,
+  vtkDataSetAttributes* thinned)
 {
-  vtkNew<vtkPoints> points;
-  points->SetData(
-    vtkDataArray::SafeDownCast(CopyTuples(surface->GetPoints()->GetData(), kept.Points)));
-  thinned->SetPoints(points);
-  vtkPointData* arrays = surface->GetPointData();
   for (int index = 0; index < arrays->GetNumberOfArrays(); ++index)
   {
     const int attribute = arrays->IsArrayAnAttribute(index);
@@ -73,13 +70,21 @@ void CopyPoints(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* t
     {
       continue;
     }
-    const int added =
-      thinned->GetPointData()->AddArray(CopyTuples(arrays->GetAbstractArray(index), kept.Points));
+    const int added = thinned->AddArray(CopyTuples(arrays->GetAbstractArray(index), tuples));
     if (attribute >= 0)
     {
-      thinned->GetPointData()->SetActiveAttribute(added, attribute);
+      thinned->SetActiveAttribute(added, attribute);
     }
   }
+}
+
+void CopyPoints(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* thinned)
+{
+  vtkNew<vtkPoints> points;
+  points->SetData(
+    vtkDataArray::SafeDownCast(CopyTuples(surface->GetPoints()->GetData(), kept.Points)));
+  thinned->SetPoints(points);
+  CopyArrays(surface->GetPointData(), kept.Points, thinned->GetPointData());
 }
 
 void CopyTriangles(const ThinnedSurface& kept, vtkPolyData* thinned)
@@ -114,6 +119,7 @@ void CopyThinned(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* 
   thinned->Initialize();
   CopyPoints(surface, kept, thinned);
   CopyTriangles(kept, thinned);
+  CopyArrays(surface->GetCellData(), kept.Numbers, thinned->GetCellData());
   thinned->GetFieldData()->ShallowCopy(surface->GetFieldData());
 }
 

@@ -342,6 +342,33 @@ class SurfaceRepresentation(testing.TestCase):
             view.UseFXAA, view.OrientationAxesVisibility = 1, 1
             view.LODThreshold, view.LODResolution = 20, 0.5
 
+    def test_colors_of_cells_stay_while_the_camera_moves(self):
+        noise = simple.Wavelet(WholeExtent=[-30, 30, -30, 30, -30, 30], XFreq=300, YFreq=300)
+        self.addCleanup(simple.Delete, noise)
+        surface = simple.StabbingContour(
+            Input=noise, ContourBy=["POINTS", "RTData"], Isosurfaces=[140.0], ComputeIslandIds=1
+        )
+        self.addCleanup(simple.Delete, surface)
+        view = simple.CreateView("RenderView")
+        self.addCleanup(simple.Delete, view)
+        view.ViewSize, view.UseFXAA, view.OrientationAxesVisibility = SIZE, 0, 0
+        view.LODThreshold = 0
+        display = simple.Show(surface, view)
+        self.assertEqual(display.SMProxy.GetXMLName(), OURS)
+        simple.ColorBy(display, ("CELLS", "IslandId"))
+        display.RescaleTransferFunctionToDataRange(True, False)
+        display.SetScalarBarVisibility(view, False)
+        simple.ResetCamera(view)
+        full = self.draw(view)
+        view.SMProxy.InteractiveRender()
+        moving = testing.read_window(view)
+        colored = [
+            int((image.max(axis=2).astype(int) - image.min(axis=2) > 40).sum())
+            for image in (full, moving)
+        ]
+        self.assertGreater(colored[0], 1000)
+        self.assertGreater(colored[1], 0.7 * colored[0])
+
     def test_a_surface_that_is_thinned_while_it_is_drawn_moves_as_any_other(self):
         if testing.arguments.ranks > 1 or testing.arguments.port:
             self.skipTest("what is drawn is the same; one process is enough")

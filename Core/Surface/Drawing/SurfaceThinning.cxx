@@ -173,8 +173,8 @@ public:
     return points;
   }
 
-  /// The triangles with corners in three cells, by the numbers of NumberPoints.
-  std::vector<std::uint32_t> CollectTriangles() const
+  /// The triangles with corners in three cells, in order.
+  std::vector<std::uint32_t> ChooseTriangles() const
   {
     const std::size_t triangles = this->Surface.NumberOfTriangles;
     std::vector<std::vector<std::uint32_t>> runs((triangles + ItemsOfRun - 1) / ItemsOfRun);
@@ -193,8 +193,7 @@ public:
               // No branches: which corners share a cell cannot be predicted.
               if (((a != b) & (b != c) & (a != c)) != 0)
               {
-                runs[run].insert(
-                  runs[run].end(), { this->GetNumber(a), this->GetNumber(b), this->GetNumber(c) });
+                runs[run].push_back(static_cast<std::uint32_t>(triangle));
               }
             }
           });
@@ -211,6 +210,22 @@ public:
       all.insert(all.end(), run.begin(), run.end());
     }
     return all;
+  }
+
+  /// The corners of triangles, by the numbers of NumberPoints.
+  std::vector<std::uint32_t> FindCorners(const std::vector<std::uint32_t>& triangles) const
+  {
+    std::vector<std::uint32_t> corners;
+    corners.reserve(3 * triangles.size());
+    for (const std::size_t triangle : triangles)
+    {
+      for (std::size_t corner = 0; corner < 3; ++corner)
+      {
+        const std::int64_t point = this->Surface.Connectivity[3 * triangle + corner];
+        corners.push_back(this->GetNumber(this->CellOfPoint[point]));
+      }
+    }
+    return corners;
   }
 
 private:
@@ -311,7 +326,8 @@ ThinnedSurface ThinSurface(const TriangleSurface& surface, const TriangleMeasure
   const CellGrid grid(measure.Bounds, ChooseCells(surface, measure, limits, threads));
   Clusters clusters(surface, grid, threads);
   thinned.Points = clusters.NumberPoints();
-  thinned.Triangles = clusters.CollectTriangles();
+  thinned.Numbers = clusters.ChooseTriangles();
+  thinned.Triangles = clusters.FindCorners(thinned.Numbers);
   return thinned;
 }
 

@@ -24,6 +24,7 @@ struct ThinnedSurface
 {
   std::vector<std::uint32_t> Points;    ///< their numbers in the surface
   std::vector<std::uint32_t> Triangles; ///< three indices in Points each
+  std::vector<std::uint32_t> Numbers;   ///< of the triangles in the surface
 };
 
 /**

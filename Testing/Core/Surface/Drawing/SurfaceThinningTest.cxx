@@ -109,6 +109,7 @@ TEST(SurfaceThinning, TrianglesHaveThreePointsThatAreKept)
   ASSERT_GT(thinned.Triangles.size(), 3 * 500U);
   ASSERT_LT(thinned.Triangles.size(), sphere.Triangles.size() / 4);
   std::set<std::uint32_t> used;
+  ASSERT_EQ(3 * thinned.Numbers.size(), thinned.Triangles.size());
   for (std::size_t n = 0; n < thinned.Triangles.size(); n += 3)
   {
     const std::set<std::uint32_t> corners(
@@ -117,6 +118,14 @@ TEST(SurfaceThinning, TrianglesHaveThreePointsThatAreKept)
     ASSERT_EQ(corners.size(), 3U);
     ASSERT_LT(*corners.rbegin(), thinned.Points.size());
     used.insert(corners.begin(), corners.end());
+    // A corner is the point of its cell: at most a diagonal away from the triangle's own one.
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      const std::size_t own = sphere.Triangles[3 * std::size_t{ thinned.Numbers[n / 3] } + corner];
+      const std::size_t kept = thinned.Points[thinned.Triangles[n + corner]];
+      ASSERT_LE(GetDistance(sphere.Points.data() + 3 * own, sphere.Points.data() + 3 * kept),
+        std::sqrt(3.0) * 2 / 20);
+    }
   }
   // A cell that only the tip of a surface reaches into may have a point without triangles.
   EXPECT_GT(used.size(), thinned.Points.size() * 95 / 100);
