@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqBlockedVolumeDecorator.h"
 
+#include "pqIndexStatus.h"
+
 #include "pqCoreUtilities.h"
 #include "pqPropertyWidget.h"
 #include "vtkCommand.h"
@@ -9,6 +11,17 @@
 #include "vtkSMProxy.h"
 
 #include <cstring>
+
+namespace
+{
+
+vtkSMProxy* FindProducer(vtkSMProxy* filter)
+{
+  vtkSMProperty* input = filter->GetProperty("Input");
+  return input ? vtkSMPropertyHelper(input).GetAsProxy() : nullptr;
+}
+
+} // namespace
 
 //------------------------------------------------------------------------------
 pqBlockedVolumeDecorator::pqBlockedVolumeDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent)
@@ -31,9 +44,19 @@ bool pqBlockedVolumeDecorator::canShowWidget(bool showAdvanced) const
 }
 
 //------------------------------------------------------------------------------
+bool pqBlockedVolumeDecorator::IsReader(vtkSMProxy* proxy)
+{
+  return std::strcmp(proxy->GetXMLName(), "BlockedVolumeReader") == 0 ||
+    pqIndexStatus::IsReader(proxy);
+}
+
+//------------------------------------------------------------------------------
 bool pqBlockedVolumeDecorator::IsBehindReader(vtkSMProxy* filter)
 {
-  vtkSMProperty* input = filter->GetProperty("Input");
-  vtkSMProxy* producer = input ? vtkSMPropertyHelper(input).GetAsProxy() : nullptr;
-  return producer && std::strcmp(producer->GetXMLName(), "BlockedVolumeReader") == 0;
+  vtkSMProxy* producer = FindProducer(filter);
+  while (producer && std::strcmp(producer->GetXMLName(), "PassArrays") == 0)
+  {
+    producer = FindProducer(producer);
+  }
+  return producer && IsReader(producer);
 }

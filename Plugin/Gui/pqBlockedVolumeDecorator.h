@@ -25,7 +25,9 @@ public:
 
   bool canShowWidget(bool showAdvanced) const override;
 
-  /// Whether a filter stands straight behind the reader of blocked volumes.
+  /// Whether a proxy reads blocked volumes, or files of any size as such.
+  static bool IsReader(vtkSMProxy* proxy);
+  /// Whether a filter stands straight behind such a reader, or behind filters that pass it on.
   static bool IsBehindReader(vtkSMProxy* filter);
 
 private:

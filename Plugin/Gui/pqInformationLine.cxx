@@ -37,7 +37,8 @@ QString pqInformationLine::GetText() const
 //------------------------------------------------------------------------------
 void pqInformationLine::Read()
 {
-  this->proxy()->UpdatePropertyInformation();
+  // Others may take long: the list of a folder's datasets, say.
+  this->proxy()->UpdatePropertyInformation(this->Superclass::property());
   const char* text = vtkSMPropertyHelper(this->Superclass::property()).GetAsString();
   this->Label->setText(text ? text : "");
 }

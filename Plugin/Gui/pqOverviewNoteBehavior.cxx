@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqOverviewNoteBehavior.h"
 
+#include "pqBlockedVolumeDecorator.h"
+
 #include "pqActiveObjects.h"
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
@@ -21,7 +23,8 @@ namespace
 {
 
 /// Those that take the volume's blocks, not the reader's output.
-const char* const OwnFilters[] = { "StabbingContour", "ContourSpectrum" };
+const char* const OwnFilters[] = { "StabbingContour", "ContourSpectrum", "VolumeSlice",
+  "VolumeRegion", "VolumeProbe" };
 
 bool IsNamed(const pqPipelineSource* source, const char* name)
 {
@@ -34,7 +37,7 @@ QString FindShown(pqPipelineSource* source)
   const auto* filter = qobject_cast<pqPipelineFilter*>(source);
   const pqPipelineSource* reader =
     filter && filter->getInputCount() > 0 ? filter->getInput(0) : nullptr;
-  if (!reader || !IsNamed(reader, "BlockedVolumeReader") ||
+  if (!reader || !pqBlockedVolumeDecorator::IsReader(reader->getProxy()) ||
     std::any_of(std::begin(OwnFilters), std::end(OwnFilters),
       [filter](const char* name) { return IsNamed(filter, name); }))
   {
