@@ -26,6 +26,7 @@
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSession.h"
 #include "vtkSMSourceProxy.h"
+#include "vtkSMTrace.h"
 #include "vtkSMViewProxy.h"
 
 #include <QDialog>
@@ -46,6 +47,8 @@ using isosurface::RefinementReport;
 
 namespace
 {
+
+const char* const ManagerName = "PROGRESSIVE_CONTOURS";
 
 const pqServerManagerModel* GetModel()
 {
@@ -177,6 +180,7 @@ void pqProgressiveContourBehavior::OnStartup()
     QObject::connect(
       stack, &pqUndoStack::redone, this, &pqProgressiveContourBehavior::RenderByHand);
   }
+  application->registerManager(ManagerName, this);
   isosurface::CallWithWindow(this, &pqProgressiveContourBehavior::ObserveWindow);
   QCoreApplication::instance()->installEventFilter(this);
 }
@@ -188,6 +192,18 @@ void pqProgressiveContourBehavior::OnShutdown()
   this->Drawing->Stop();
   this->All.clear();
   QCoreApplication::instance()->removeEventFilter(this);
+  pqApplicationCore::instance()->unRegisterManager(ManagerName);
+}
+
+//------------------------------------------------------------------------------
+void pqProgressiveContourBehavior::ShowByHand()
+{
+  QObject* behavior = pqApplicationCore::instance()->manager(ManagerName);
+  if (auto* progressive = qobject_cast<pqProgressiveContourBehavior*>(behavior))
+  {
+    progressive->RenderByHand();
+  }
+  pqApplicationCore::instance()->render();
 }
 
 //------------------------------------------------------------------------------
@@ -221,14 +237,15 @@ void pqProgressiveContourBehavior::ObserveWindow()
 void pqProgressiveContourBehavior::ObserveTimeButtons(QMainWindow* window)
 {
   // A button's action, which goes to the time and updates the views, or plays until the end, is
-  // triggered between these two signals.
+  // triggered between these two signals. The second one also comes if the mouse is let go elsewhere.
   if (const auto* toolbar = window->findChild<QToolBar*>("VCRToolbar"))
   {
     for (QToolButton* button : toolbar->findChildren<QToolButton*>())
     {
       QObject::connect(
         button, &QToolButton::pressed, this, &pqProgressiveContourBehavior::BeginTime);
-      QObject::connect(button, &QToolButton::clicked, this, &pqProgressiveContourBehavior::EndTime);
+      QObject::connect(
+        button, &QToolButton::released, this, &pqProgressiveContourBehavior::EndTime);
     }
   }
 }
@@ -388,6 +405,12 @@ void pqProgressiveContourBehavior::Advance()
       this->All.push_back(watched);
     }
   }
+  const bool isGone = std::all_of(
+    all.begin(), all.end(), [](const Watched& watched) { return watched.Source.isNull(); });
+  if (!all.empty() && isGone && this->All.empty())
+  {
+    this->Status->Clear();
+  }
   if (refined && isLarge)
   {
     this->Drawing->Begin();
@@ -544,9 +567,17 @@ void pqProgressiveContourBehavior::FinishOne(pqPipelineSource* source)
       contour->InvokeCommand("Refine");
       UpdateBehind(source);
     }
+    else if (report.Stage == RefinementReport::TooLarge)
+    {
+      vtkGenericWarningMacro(
+        << qPrintable(source->getSMName()) << ": the surface of level " << report.FinalLevel
+        << " does not fit into memory, so level " << report.ShownLevel
+        << " is saved. Set 'Level', or save as .eix, which goes block by block.");
+      return;
+    }
     else if (report.Stage != RefinementReport::Working)
     {
-      return; // too large, or changed and not applied
+      return; // changed and not applied
     }
   }
 }
@@ -585,8 +616,11 @@ void pqProgressiveContourBehavior::AskAboutSize(
 void pqProgressiveContourBehavior::UseLevel(pqPipelineSource* source, int level)
 {
   BEGIN_UNDO_SET(tr("Use Level %1").arg(level));
-  vtkSMPropertyHelper(source->getProxy(), "Level").Set(level);
-  source->getProxy()->UpdateVTKObjects();
+  {
+    SM_SCOPED_TRACE(PropertiesModified).arg("proxy", source->getProxy());
+    vtkSMPropertyHelper(source->getProxy(), "Level").Set(level);
+    source->getProxy()->UpdateVTKObjects();
+  }
   END_UNDO_SET();
   this->RenderByHand();
   pqApplicationCore::instance()->render();

@@ -70,7 +70,7 @@ void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
   const QString triangles = report.Triangles > 0
     ? tr(" of about %1 triangles").arg(isosurface::FormatCount(report.Triangles))
     : QString(); // of a slice
-  this->setText(tr("Level %1 of %2 shown, refining: %3 %%4")
+  this->setText(tr("Level %1 shown, refining to level %2: %3 %%4")
                   .arg(report.ShownLevel)
                   .arg(report.FinalLevel)
                   .arg(std::floor(100 * report.Share))
@@ -94,4 +94,11 @@ void pqRefinementStatus::ShowEnd(int level, bool stopped)
   this->setText(stopped ? tr("Level %1 shown, refining was stopped").arg(level)
                         : tr("Level %1 shown").arg(level));
   this->show();
+}
+
+//------------------------------------------------------------------------------
+void pqRefinementStatus::Clear()
+{
+  this->Stop->setEnabled(false);
+  this->hide();
 }

@@ -35,6 +35,8 @@ public Q_SLOTS:
   void ShowGrowth(const isosurface::RefinementReport& report);
   /// That a surface is as it is: final or not.
   void ShowEnd(int level, bool stopped);
+  /// That there is no surface any more.
+  void Clear();
 
 Q_SIGNALS:
   void stopped();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqSpectrumPickBehavior.h"
 
+#include "pqProgressiveContourBehavior.h"
+
 #include "PickedRows.h"
 #include "ValueAxis.h"
 #include "pqSpectrumSource.h"
@@ -258,5 +260,5 @@ void pqSpectrumPickBehavior::SetIsovalues(
     proxy->UpdateVTKObjects();
   }
   END_UNDO_SET();
-  contour->renderAllViews();
+  pqProgressiveContourBehavior::ShowByHand();
 }
