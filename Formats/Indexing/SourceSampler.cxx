@@ -133,7 +133,13 @@ Status Sampler::Read()
   double secondsPerBox = 0;
   for (bool isFirst = true;; isFirst = false)
   {
-    const std::vector<VertexBox> boxes = this->Order->FindNext();
+    std::vector<VertexBox> boxes;
+    ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(this->Ranks, this->Index.Source,
+      [&]
+      {
+        boxes = this->Order->FindNext();
+        return Status::Ok();
+      }));
     const double before = this->GetSeconds();
     const double expected = before + secondsPerBox * static_cast<double>(boxes.size());
     std::vector<std::uint64_t> ends = {
@@ -328,12 +334,23 @@ Result<SourceSample> Sampler::MakeVolume(const std::vector<Message>& messages) c
 Result<SourceSample> ReadSourceSample(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, const SampleLimits& limits, const Progress& progress)
 {
-  Sampler sampler(ranks, files, index, limits, progress);
-  ISOSURFACE_RETURN_IF_ERROR(sampler.Read());
-  const std::vector<Message> messages = ranks.AllGather(sampler.PackTiles());
-  auto sample = Attempt(index.Source, [&] { return sampler.MakeVolume(messages); });
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(sample.GetStatus()));
-  return sample;
+  const auto read = [&]() -> Result<SourceSample>
+  {
+    Sampler sampler(ranks, files, index, limits, progress);
+    ISOSURFACE_RETURN_IF_ERROR(sampler.Read());
+    Message tiles;
+    ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, index.Source,
+      [&]
+      {
+        tiles = sampler.PackTiles();
+        return Status::Ok();
+      }));
+    const std::vector<Message> messages = ranks.AllGather(tiles);
+    auto sample = Attempt(index.Source, [&] { return sampler.MakeVolume(messages); });
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(sample.GetStatus()));
+    return sample;
+  };
+  return RunCollective(index.Source, read);
 }
 
 } // namespace isosurface

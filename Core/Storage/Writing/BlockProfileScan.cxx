@@ -278,16 +278,28 @@ void BlockProfileScan::Unpack(const Message& message)
   }
 }
 
-void BlockProfileScan::Reduce(Communicator& communicator)
+Status BlockProfileScan::Reduce(Communicator& communicator, const std::string& path)
 {
-  const std::vector<Message> messages = communicator.AllGather(this->Pack());
-  for (std::size_t rank = 0; rank < messages.size(); ++rank)
-  {
-    if (rank != static_cast<std::size_t>(communicator.GetRank()))
+  Message own;
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(communicator, path,
+    [&]
     {
-      this->Unpack(messages[rank]);
-    }
-  }
+      own = this->Pack();
+      return Status::Ok();
+    }));
+  const std::vector<Message> messages = communicator.AllGather(own);
+  return AttemptOnAll(communicator, path,
+    [&]
+    {
+      for (std::size_t rank = 0; rank < messages.size(); ++rank)
+      {
+        if (rank != static_cast<std::size_t>(communicator.GetRank()))
+        {
+          this->Unpack(messages[rank]);
+        }
+      }
+      return Status::Ok();
+    });
 }
 
 } // namespace isosurface

@@ -3,11 +3,13 @@
 #define isosurface_BlockProfileScan_h
 
 #include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/SampleView.h"
 #include "Storage/Distribution/BlockProfile.h"
 
 #include <cstdint>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -33,8 +35,9 @@ public:
   /// Adds the samples of a box; no vertex may be added twice, on any rank.
   void Add(const SampleView& samples, const VertexBox& box);
 
-  /// Collective. Joins the samples that the ranks have added.
-  void Reduce(Communicator& communicator);
+  /// Collective. Joins the samples that the ranks have added. Error of all ranks, which names `path`:
+  /// OutOfMemory.
+  Status Reduce(Communicator& communicator, const std::string& path);
 
   /// Per block; complete after Reduce().
   const std::vector<BlockProfile>& GetProfiles() const { return this->Profiles; }

@@ -232,18 +232,20 @@ void BlockRangeScan::AddSlab(const BoxSamples& slab, const VertexBox& box)
     });
 }
 
-void BlockRangeScan::Reduce(Communicator& communicator)
+Status BlockRangeScan::Reduce(Communicator& communicator, const std::string& path)
 {
   CommonRanges common;
-  for (KeyRange& range : this->Ranges)
-  {
-    common.Add(range);
-  }
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(communicator, path,
+    [&]
+    {
+      for (KeyRange& range : this->Ranges)
+      {
+        common.Add(range);
+      }
+      return Status::Ok();
+    }));
   common.Join(communicator);
-  if (this->Profiles)
-  {
-    this->Profiles->Reduce(communicator);
-  }
+  return this->Profiles ? this->Profiles->Reduce(communicator, path) : Status::Ok();
 }
 
 } // namespace isosurface

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace isosurface
@@ -35,8 +36,8 @@ public:
   Status Scan(BoxSource& source, const std::vector<VertexBox>& owned, std::uint64_t memoryBytes,
     const Progress& progress);
 
-  /// Collective. Joins the ranges of all ranks.
-  void Reduce(Communicator& communicator);
+  /// Collective. Joins the ranges of all ranks. Error of all ranks, which names `path`: OutOfMemory.
+  Status Reduce(Communicator& communicator, const std::string& path);
 
   /// Per block.
   const std::vector<KeyRange>& GetRanges() const { return this->Ranges; }

@@ -167,8 +167,7 @@ Status ResolutionWriter::ScanRanges(BlockRangeScan& scan)
       [&](double share) { return this->TellShare(share * RangesDone); });
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(read)));
-  scan.Reduce(this->Context.Ranks);
-  return Status::Ok();
+  return scan.Reduce(this->Context.Ranks, this->Context.Path);
 }
 
 Status ResolutionWriter::Distribute()

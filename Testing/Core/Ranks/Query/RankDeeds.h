@@ -42,7 +42,8 @@ struct RankDeeds
   {
     const VertexBox box = SlabOfEach(ranks.GetRank(), ranks.GetSize(), Size);
     const PieceOfVolume<std::uint8_t> part(GetOther(), box);
-    BlockedVolumeSettings settings = MakeSettings(16, 3);
+    // Balanced shares what the others share, and profiles of blocks as well.
+    BlockedVolumeSettings settings = MakeSettings(16, 3, DistributionMethod::Balanced);
     settings.Threads = 1;
     return BlockedVolumeWriter(ranks, disk)
       .Write(VolumePath, MakeGeometry(Size), { { "density", ValueType::UInt8 } },
