@@ -100,6 +100,7 @@ std::optional<BlockedVolumeHeader> WriteJournal::FindFinished(
   step = TimeStepDescription{};
   step.Time = finished.TimeSteps.back().Time;
   step.Source = finished.TimeSteps.back().Source;
+  step.CopyOf = finished.TimeSteps.back().CopyOf;
   step.Overviews.resize(planned.Overviews.size());
   return asPlanned.Format() == planned.Format() ? std::optional(finished) : std::nullopt;
 }

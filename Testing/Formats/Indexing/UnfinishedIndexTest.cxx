@@ -131,11 +131,12 @@ void SetSources(MemoryDisk& disk, std::size_t steps)
 }
 
 /// What a write at once leaves.
-std::map<std::string, MemoryDisk::Bytes> WriteAtOnce(int ranks, std::size_t steps)
+std::map<std::string, MemoryDisk::Bytes> WriteAtOnce(
+  int ranks, std::size_t steps, bool isCopied = false)
 {
   LockingDisk disk;
   SetSources(disk, steps);
-  const Status status = WriteByRanks(disk, "/data", ranks, steps, GoOn);
+  const Status status = WriteByRanks(disk, "/data", ranks, steps, GoOn, isCopied);
   EXPECT_TRUE(status.IsOk()) << status.GetMessage();
   return disk.Copy();
 }
@@ -188,6 +189,24 @@ TEST_P(UnfinishedIndexTest, GoesOnWhereItWasStoppedWithAnyNumberOfRanks)
   }
 }
 
+TEST_P(UnfinishedIndexTest, ReadsTimeStepsThatAreFinishedNoMore)
+{
+  const bool isCopied = this->GetParam();
+  LockingDisk disk;
+  SetSources(disk, 3);
+  int callsOfAStep = 0;
+  {
+    LockingDisk one;
+    SetSources(one, 1);
+    const auto count = [&](int) { return ++callsOfAStep > 0; };
+    EXPECT_TRUE(WriteByRanks(one, "/data", 1, 1, count, isCopied).IsOk());
+  }
+  EXPECT_FALSE(
+    WriteByRanks(disk, "/data", 1, 3, StopAtCall(2 * callsOfAStep + 1), isCopied).IsOk());
+  EXPECT_LT(Finish(disk, 1, 3, isCopied), 0.4);
+  EXPECT_EQ(disk.Copy(), WriteAtOnce(1, 3, isCopied));
+}
+
 INSTANTIATE_TEST_SUITE_P(InPlaceAndCopied, UnfinishedIndexTest, testing::Bool());
 
 TEST(UnfinishedIndex, IsThatOfAWriteAtOnceAfterTheDiskFailedAtAnyOperation)
@@ -226,21 +245,6 @@ TEST(UnfinishedIndex, IsNotKeptWhereFoldersCannotBeLocked)
     EXPECT_EQ(WriteByRanks(disk, "/data", 1, 1, StopAtCall(6)).GetCode(), StatusCode::Aborted);
     EXPECT_EQ(disk.GetFiles().size() > sources, canLock);
   }
-}
-
-TEST(UnfinishedIndex, ReadsTimeStepsThatAreFinishedNoMore)
-{
-  LockingDisk disk;
-  SetSources(disk, 3);
-  int callsOfAStep = 0;
-  {
-    LockingDisk one;
-    SetSources(one, 1);
-    EXPECT_TRUE(WriteByRanks(one, "/data", 1, 1, [&](int) { return ++callsOfAStep > 0; }).IsOk());
-  }
-  EXPECT_FALSE(WriteByRanks(disk, "/data", 1, 3, StopAtCall(2 * callsOfAStep + 1)).IsOk());
-  EXPECT_LT(Finish(disk, 1, 3), 0.4);
-  EXPECT_EQ(disk.Copy(), WriteAtOnce(1, 3));
 }
 
 TEST(UnfinishedIndex, IsWrittenAnewIfTheSourceHasChangedOrTheJournalIsDamaged)
