@@ -93,7 +93,7 @@ ZarrArray::ZarrArray(
 
 std::uint64_t ZarrArray::GetHeldBytes() const
 {
-  std::uint64_t inShard = this->Metadata.HasShards() ? 1 : 0;
+  std::uint64_t inShard = this->Metadata.HasShards ? 1 : 0;
   for (std::size_t axis = 0; axis < this->Metadata.Shape.size(); ++axis)
   {
     inShard *= static_cast<std::uint64_t>(this->Metadata.Shard[axis] / this->Metadata.Chunk[axis]);
@@ -297,7 +297,7 @@ Result<ZarrArray::Samples> ZarrArray::LoadChunk(const Numbers& chunk)
   }
   std::uint64_t offset = 0;
   std::uint64_t size = (*file)->GetSize();
-  if (this->Metadata.HasShards())
+  if (this->Metadata.HasShards)
   {
     ISOSURFACE_RETURN_IF_ERROR(this->FindInShard(**file, shard, chunk, offset, size));
     if (size == 0)

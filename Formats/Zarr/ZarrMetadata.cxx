@@ -43,7 +43,7 @@ public:
     ISOSURFACE_RETURN_IF_ERROR(this->CheckSizes());
     const Numbers& shard = this->Metadata.Shard;
     this->Metadata.Storage =
-      (this->Metadata.HasShards() ? "shards of " + JoinNumbers(shard) + ", " : std::string()) +
+      (this->Metadata.HasShards ? "shards of " + JoinNumbers(shard) + ", " : std::string()) +
       "chunks of " + JoinNumbers(this->Metadata.Chunk) + this->CodecNames;
     return std::move(this->Metadata);
   }
@@ -421,6 +421,7 @@ private:
   {
     ISOSURFACE_RETURN_IF_ERROR(
       this->TakeNumbers(FindJson(settings, "chunk_shape"), "chunk_shape", this->Metadata.Chunk));
+    this->Metadata.HasShards = true;
     this->Metadata.IsIndexAtStart = FindJsonText(settings, "index_location", "end") == "start";
     const Json& codecs = FindJson(settings, "index_codecs");
     if (!codecs.is_array())

@@ -31,6 +31,7 @@ struct ZarrMetadata
   StoredArray::Numbers Shape;
   StoredArray::Numbers Chunk; ///< samples that are decoded together
   StoredArray::Numbers Shard; ///< samples of a file; Chunk, if there are no shards
+  bool HasShards = false;     ///< also if a shard has a single chunk: there is an index
   ValueType Type = ValueType::UInt8;
   bool IsHalf = false;                ///< float16, which Type float32 stands for
   std::array<std::uint8_t, 8> Fill{}; ///< a sample of Type, in the byte order of the machine
@@ -43,8 +44,6 @@ struct ZarrMetadata
   std::string Separator;                   ///< between the numbers of a name
   std::vector<std::string> DimensionNames; ///< empty if there are none
   std::string Storage;                     ///< for a list: chunks and codecs
-
-  bool HasShards() const { return this->Shard != this->Chunk; }
 };
 
 /// A folder in a hierarchy of Zarr or N5.

@@ -4,6 +4,8 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 
+#include <cstring>
+
 using namespace isosurface;
 
 namespace
@@ -90,4 +92,32 @@ TEST(ZarrVolume, SeparatorsOfChunksLeadNowhereElse)
   EXPECT_EQ(FindError(MakeArray(R"({"name": "crc32c"})", "", ".")), "");
   EXPECT_NE(FindError(MakeArray(R"({"name": "crc32c"})", "", "/../../x/")).find("separate"),
     std::string::npos);
+}
+
+TEST(ZarrVolume, AShardOfOneChunkHasAnIndex)
+{
+  for (const bool isAtStart : { false, true })
+  {
+    SCOPED_TRACE(isAtStart ? "index at the start" : "index at the end");
+    const std::string little = R"({"name": "bytes", "configuration": {"endian": "little"}})";
+    MemoryDisk disk;
+    static_cast<void>(disk.MakeDirectories(Folder + "/c/0/0"));
+    std::string json = MakeArray("");
+    json.replace(json.find(R"({"name": "bytes"}, )"), 19,
+      R"({"name": "sharding_indexed", "configuration": {"chunk_shape": [2, 2, 2], "codecs": [)" +
+        little + R"(], "index_codecs": [)" + little + R"(], "index_location": ")" +
+        (isAtStart ? "start" : "end") + "\"}}");
+    WriteFile(disk, Folder + "/zarr.json", MakeBytes(json));
+    const Bytes samples = { 1, 2, 3, 4, 5, 6, 7, 8 };
+    Bytes shard(16, 0); // where the chunk begins, and its size
+    shard[0] = isAtStart ? 16 : 0;
+    shard[8] = 8;
+    shard.insert(isAtStart ? shard.end() : shard.begin(), samples.begin(), samples.end());
+    WriteFile(disk, Folder + "/c/0/0/0", shard);
+    const auto volume = OpenForeignVolume(disk, Folder);
+    ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
+    const auto read = volume->Source->Read(volume->Source->GetBox());
+    ASSERT_TRUE(read.IsOk()) << read.GetStatus().GetMessage();
+    EXPECT_EQ(std::memcmp(read->Arrays.at(0).First, samples.data(), samples.size()), 0);
+  }
 }
