@@ -16,6 +16,37 @@ constexpr std::uint64_t MaximumJsonSize = std::uint64_t{ 16 } << 20;
 /// Attributes are the user's, and may have any depth that somebody writes by hand.
 constexpr int MaximumNesting = 64;
 
+/// JSON in which the numbers that it does not have are texts. Python writes them bare in attributes.
+std::string QuoteBareNumbers(const std::string& text)
+{
+  std::string quoted;
+  quoted.reserve(text.size());
+  bool isText = false;
+  for (std::size_t at = 0; at < text.size(); ++at)
+  {
+    std::string token(1, text[at]);
+    if (isText && text[at] == '\\')
+    {
+      token = text.substr(at, 2);
+    }
+    else if (text[at] == '"')
+    {
+      isText = !isText;
+    }
+    for (const char* const number : { "NaN", "Infinity", "-Infinity" })
+    {
+      const std::size_t size = std::char_traits<char>::length(number);
+      if (!isText && text.compare(at, size, number) == 0)
+      {
+        token = number;
+      }
+    }
+    at += token.size() - 1;
+    quoted += token.size() > 2 ? '"' + token + '"' : token;
+  }
+  return quoted;
+}
+
 /// The JSON of a file; null if there is no such file.
 Result<Json> ReadJson(FileSystem& files, const std::string& path)
 {
@@ -36,8 +67,12 @@ Result<Json> ReadJson(FileSystem& files, const std::string& path)
     return Status(StatusCode::Corrupt,
       path + ": cannot be read: it nests more than " + std::to_string(MaximumNesting) + " objects");
   }
-  // NaN and infinity stand between quotation marks in both versions.
+  // NaN and infinity stand between quotation marks in both versions, but not in all files.
   Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded())
+  {
+    json = Json::parse(QuoteBareNumbers(text), nullptr, false);
+  }
   if (!json.is_object())
   {
     return Status(StatusCode::Corrupt, path + ": cannot be read: it is no JSON object; truncated?");

@@ -47,6 +47,12 @@ Status FindArrays(FileSystem& files, const std::string& folder, const std::strin
 {
   const std::string whole = path.empty() ? folder : folder + "/" + path;
   const auto node = ZarrNode::Read(files, whole);
+  if (node.GetStatus().GetCode() == StatusCode::Corrupt && depth > 0)
+  {
+    // Others can be read.
+    arrays.push_back({ path, ZarrMetadata(), node.GetStatus() });
+    return Status::Ok();
+  }
   ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
   if (node->IsArray)
   {

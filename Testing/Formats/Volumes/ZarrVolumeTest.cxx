@@ -5,6 +5,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 
 #include <cstring>
+#include <sstream>
 
 using namespace isosurface;
 
@@ -50,6 +51,30 @@ std::string FindError(const std::string& json, const std::string& file = "/zarr.
   WriteFile(disk, Folder + "/0/zarr.json", MakeBytes(MakeArray(R"({"name": "crc32c"})")));
   const auto volume = OpenForeignVolume(disk, Folder);
   return volume.IsOk() ? "" : volume.GetStatus().GetMessage();
+}
+
+/// The first sample of an array of 2 x 2 x 2 without chunks, or the error.
+template <typename T>
+std::string ReadFill(const std::string& type, const std::string& fill)
+{
+  std::string json = MakeArray(R"({"name": "crc32c"})");
+  json.replace(json.find("uint8"), 5, type);
+  const std::string before = "\"fill_value\": ";
+  json.replace(json.find(before), before.size() + 1, before + fill);
+  MemoryDisk disk;
+  static_cast<void>(disk.MakeDirectories(Folder));
+  WriteFile(disk, Folder + "/zarr.json", MakeBytes(json));
+  const auto volume = OpenForeignVolume(disk, Folder);
+  if (!volume.IsOk())
+  {
+    return volume.GetStatus().GetMessage();
+  }
+  T value;
+  std::memcpy(&value, Require(volume->Source->Read(volume->Source->GetBox())).Arrays.at(0).First,
+    sizeof(value));
+  std::ostringstream text;
+  text << +value;
+  return text.str();
 }
 
 } // namespace
@@ -120,4 +145,45 @@ TEST(ZarrVolume, AShardOfOneChunkHasAnIndex)
     ASSERT_TRUE(read.IsOk()) << read.GetStatus().GetMessage();
     EXPECT_EQ(std::memcmp(read->Arrays.at(0).First, samples.data(), samples.size()), 0);
   }
+}
+
+TEST(ZarrVolume, NumbersThatJsonDoesNotHaveAreReadAsPythonWritesThem)
+{
+  const std::string codec = R"({"name": "crc32c"})";
+  const std::string numbers =
+    R"({"a": NaN, "b": [-Infinity,Infinity], "c": "a \" NaN, \\", "d": {"e":NaN}})";
+  EXPECT_EQ(FindError(MakeArray(codec, ", \"attributes\": " + numbers)), "");
+  EXPECT_EQ(FindError(numbers, "/.zattrs"), "");
+  for (const std::string bad : { "NaNs", "nan", "-NaN", "- Infinity", "Inf", "NaN NaN", "1NaN" })
+  {
+    EXPECT_EQ(FindError(R"({"a": )" + bad + "}", "/.zattrs"),
+      Folder + "/.zattrs: cannot be read: it is no JSON object; truncated?")
+      << bad;
+  }
+  EXPECT_EQ(ReadFill<float>("float32", "NaN"), ReadFill<float>("float32", "\"NaN\""));
+  EXPECT_EQ(ReadFill<float>("float32", "-Infinity"), "-inf");
+  EXPECT_EQ(ReadFill<double>("float64", "Infinity"), "inf");
+}
+
+TEST(ZarrVolume, AnArrayIsReadBesideFoldersWithDamagedMetadata)
+{
+  MemoryDisk disk;
+  for (const std::string name : { "/a", "/b", "/c" })
+  {
+    static_cast<void>(disk.MakeDirectories(Folder + name));
+  }
+  WriteFile(disk, Folder + "/.zgroup", MakeBytes("{\"zarr_format\": 2}"));
+  WriteFile(disk, Folder + "/a/.zattrs", MakeBytes("{\"a\": "));
+  const std::string error = Folder + "/a/.zattrs: cannot be read: it is no JSON object; truncated?";
+  EXPECT_EQ(OpenForeignVolume(disk, Folder).GetStatus().GetMessage(), error);
+  WriteFile(disk, Folder + "/b/zarr.json", MakeBytes(MakeArray(R"({"name": "crc32c"})")));
+  WriteFile(disk, Folder + "/c/zarr.json", MakeBytes("{"));
+  const auto volume = OpenForeignVolume(disk, Folder);
+  ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
+  EXPECT_EQ(volume->Arrays.at(0).Name, "b");
+  EXPECT_EQ(OpenForeignVolume(disk, Folder + ":a").GetStatus().GetMessage(), error);
+  const auto list = Require(ListForeignVolumes(disk, Folder));
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[0].Storage, error);
+  EXPECT_EQ(list[1].Shape, "2 x 2 x 2");
 }
