@@ -178,11 +178,12 @@ private:
         using T = decltype(zero);
         using Limits = std::numeric_limits<T>;
         T value = static_cast<T>(0);
-        const bool isInRange = number >= static_cast<double>(Limits::min()) &&
-          number < static_cast<double>(Limits::max());
+        // The maximum of 64 bits is no double: who writes it as a float writes the next one.
+        constexpr auto high = static_cast<double>(Limits::max());
+        const bool isInRange = number >= static_cast<double>(Limits::min()) && number <= high;
         if (isFloat || (isInRange && !fill.is_number_integer()))
         {
-          value = static_cast<T>(number);
+          value = !isFloat && number == high ? Limits::max() : static_cast<T>(number);
         }
         else if (const auto whole = FindWhole<T>(fill))
         {

@@ -5,7 +5,10 @@
 #include "Formats/Opener/ForeignVolume.h"
 
 #include <cstring>
+#include <limits>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 using namespace isosurface;
 
@@ -75,6 +78,11 @@ std::string ReadFill(const std::string& type, const std::string& fill)
   std::ostringstream text;
   text << +value;
   return text.str();
+}
+template <typename T>
+void ExpectMaximumOfFill(const std::string& type, const std::string& number)
+{
+  EXPECT_EQ(ReadFill<T>(type, number), std::to_string(std::numeric_limits<T>::max())) << type;
 }
 
 } // namespace
@@ -186,4 +194,28 @@ TEST(ZarrVolume, AnArrayIsReadBesideFoldersWithDamagedMetadata)
   ASSERT_EQ(list.size(), 3u);
   EXPECT_EQ(list[0].Storage, error);
   EXPECT_EQ(list[1].Shape, "2 x 2 x 2");
+}
+
+TEST(ZarrVolume, AFillValueMayBeTheMaximumOfItsTypeAsAFloat)
+{
+  ExpectMaximumOfFill<std::uint8_t>("uint8", "255.0");
+  ExpectMaximumOfFill<std::int8_t>("int8", "127.0");
+  ExpectMaximumOfFill<std::uint16_t>("uint16", "65535.0");
+  ExpectMaximumOfFill<std::int32_t>("int32", "2147483647.0");
+  ExpectMaximumOfFill<std::uint32_t>("uint32", "4294967295.0");
+  ExpectMaximumOfFill<std::uint64_t>("uint64", "18446744073709551615");
+  // The maximum of 64 bits is no double: the next one stands for it.
+  ExpectMaximumOfFill<std::uint64_t>("uint64", "1.8446744073709552e19");
+  ExpectMaximumOfFill<std::int64_t>("int64", "9.223372036854775807e18");
+  EXPECT_EQ(ReadFill<std::int64_t>("int64", "-9.223372036854775808e18"),
+    std::to_string(std::numeric_limits<std::int64_t>::min()));
+  for (const auto& [type, number] :
+    std::vector<std::pair<std::string, std::string>>{ { "uint8", "255.5" }, { "uint8", "256.0" },
+      { "uint8", "-1.0" }, { "int16", "32768.0" }, { "uint64", "1.8446744073709556e19" },
+      { "int64", "9.223372036854778e18" }, { "uint8", "NaN" } })
+  {
+    EXPECT_EQ(ReadFill<std::uint8_t>(type, number),
+      Folder + ": cannot be read: its metadata have a fill value beyond the data type")
+      << type << " " << number;
+  }
 }
