@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -64,7 +65,13 @@ Value RoundInterpolated(double value)
 {
   if constexpr (std::is_integral_v<Value>)
   {
-    return static_cast<Value>(std::round(value));
+    // The maximum of 64 bits is no double: the next one is beyond the type.
+    constexpr auto low = static_cast<double>(std::numeric_limits<Value>::min());
+    constexpr auto high = static_cast<double>(std::numeric_limits<Value>::max());
+    const double rounded = std::round(value);
+    return rounded >= high ? std::numeric_limits<Value>::max()
+      : rounded > low      ? static_cast<Value>(rounded)
+                           : std::numeric_limits<Value>::min();
   }
   else
   {

@@ -85,20 +85,22 @@ void GrowingSpectrum::AddInBins(const EdgeSums& sums)
   const std::int64_t width = std::int64_t{ 1 }
     << std::clamp(this->Bins.Exponent - sums.Bins.Exponent, 0, beyondAll);
   const std::int64_t first = sums.Bins.First;
-  const std::int64_t last = first + static_cast<std::int64_t>(sums.Bins.Count) - 1;
+  const std::int64_t last = first + (static_cast<std::int64_t>(sums.Bins.Count) - 1);
   // Quotients are rounded up for the first one, down for the last one.
-  std::int64_t multiple = first / width + (first > 0 && first % width != 0 ? 1 : 0);
+  const std::int64_t firstMultiple = first / width + (first > 0 && first % width != 0 ? 1 : 0);
   const std::int64_t lastMultiple = last / width - (last < 0 && last % width != 0 ? 1 : 0);
-  const auto changeAt = [&](std::int64_t number) -> SurfaceSums&
-  { return this->Changes[static_cast<std::size_t>(number - this->Bins.First)]; };
+  // Counted from the first bin: the edge behind the last one may be beyond 64 bits.
+  auto bin = static_cast<std::size_t>(firstMultiple - this->Bins.First);
+  const std::size_t end = static_cast<std::size_t>(lastMultiple - this->Bins.First) + 1;
   SurfaceSums before = sums.Below;
-  for (; multiple <= lastMultiple; ++multiple)
+  for (; bin < end; ++bin)
   {
+    const std::int64_t multiple = this->Bins.First + static_cast<std::int64_t>(bin);
     const SurfaceSums& edge = sums.Edges[static_cast<std::size_t>(multiple * width - first)];
-    changeAt(multiple) += edge - before;
+    this->Changes[bin] += edge - before;
     before = edge;
   }
-  changeAt(multiple) += sums.Above - before;
+  this->Changes[bin] += sums.Above - before;
 }
 
 void GrowingSpectrum::Grow(const KeyRange& range)

@@ -79,6 +79,27 @@ bool IsWithin(const std::array<double, 3>& point, const Index3& size)
   return isWithin;
 }
 
+/// Samples of the maximum of a type are that between vertices, too.
+template <typename T>
+void ExpectMaximumBetweenVertices()
+{
+  constexpr T maximum = std::numeric_limits<T>::max();
+  const Index3 size{ 20, 20, 20 };
+  MemoryDisk disk;
+  const auto written = SampleVolume<T>(size, [](auto, auto, auto) { return maximum; });
+  const auto samples =
+    Require(LevelSamples::Open(WriteAndOpen(disk, written, MakeSettings(16, 1)), 0, 0));
+  const std::vector<std::array<double, 3>> points = { { 10, 10, 10 }, { 10.5, 10, 10 },
+    { 3.25, 4.5, 5.75 }, { 18.9, 0.1, 7.3 } };
+  std::vector<T> values(points.size());
+  std::vector<std::uint8_t> isInside(points.size());
+  QueryStatistics statistics;
+  ASSERT_TRUE(SamplePoints(*samples, 0, Interpolation::Linear, MakeListPortions(points, 4), 1,
+    values.data(), 1, isInside.data(), statistics)
+                .IsOk());
+  EXPECT_EQ(values, std::vector<T>(points.size(), maximum));
+}
+
 } // namespace
 
 TEST(PointSampling, LinearValuesAreThoseOfAllLevels)
@@ -181,6 +202,15 @@ TEST(PointSampling, AVertexHasItsSampleBesideNanAndBeyondTheBitsOfADouble)
     *samples, 0, Interpolation::Linear, portions, 1, values.data(), 1, isInside.data(), statistics)
                 .IsOk());
   EXPECT_EQ(values[0], (std::int64_t{ 1 } << 60) + 1);
+}
+
+TEST(PointSampling, BetweenSamplesOfTheMaximumOf64BitsIsTheMaximum)
+{
+  ExpectMaximumBetweenVertices<std::uint64_t>();
+  ExpectMaximumBetweenVertices<std::int64_t>();
+  EXPECT_EQ(RoundInterpolated<std::int64_t>(-0x1p63), std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(RoundInterpolated<std::uint8_t>(254.5), 255);
+  EXPECT_EQ(RoundInterpolated<std::int8_t>(-127.5), -128);
 }
 
 TEST(PointSampling, TellsOfADamagedBlockAndStopsOnRequest)
