@@ -255,13 +255,17 @@ void BeQuiet()
 
 } // namespace
 
-Result<DicomSlice> DicomSlice::Read(const std::string& path)
+Result<DicomSlice> DicomSlice::Read(const std::string& path, std::string* series)
 {
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   const auto bytes = GetLocalFileSystem().OpenForReading(path);
   ISOSURFACE_RETURN_IF_ERROR(bytes.GetStatus());
   DicomDataSet tags(**bytes);
   const Status read = tags.ReadHeader();
+  if (series)
+  {
+    *series = tags.GetText(0x0020000e);
+  }
   DicomSlice slice;
   slice.Path = path;
   if (read.IsOk() && tags.Has(0x00280010))

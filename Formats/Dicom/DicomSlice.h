@@ -39,7 +39,8 @@ struct DicomSlice
   double ColumnDistance = 1;
 
   /// Reads the header. NotFound if the file is no DICOM image; otherwise as the errors of files.
-  static Result<DicomSlice> Read(const std::string& path);
+  /// `series` gets the UID as far as the header tells it, after an error, too; it may be null.
+  static Result<DicomSlice> Read(const std::string& path, std::string* series = nullptr);
 
   /// Decodes the image, with any transfer syntax that GDCM supports. `to`: Rows * Columns samples of
   /// Type. May be called by several threads at once; those of compressed images wait for each other.

@@ -114,12 +114,20 @@ std::string FindFolder(const std::string& path)
   return parent.empty() ? "." : parent.string();
 }
 
-/// All series in a folder, by their UID.
-Result<std::map<std::string, Slices>> FindSeries(const std::string& folder)
+/// What a folder has of a series.
+struct FoundSeries
+{
+  Slices Found;
+  Status Fault; ///< of the first of its images that cannot be read
+};
+
+/// All series in a folder, by their UID. An image that cannot be read is an error of its series; of all
+/// if its header does not tell the series, since a slice of any may be missing.
+Result<std::map<std::string, FoundSeries>> FindSeries(const std::string& folder)
 {
   const auto names = GetLocalFileSystem().List(folder);
   ISOSURFACE_RETURN_IF_ERROR(names.GetStatus());
-  std::map<std::string, Slices> series;
+  std::map<std::string, FoundSeries> series;
   for (const std::string& name : *names)
   {
     const std::string path = (std::filesystem::path(folder) / name).string();
@@ -128,14 +136,20 @@ Result<std::map<std::string, Slices>> FindSeries(const std::string& folder)
     {
       continue;
     }
-    auto slice = DicomSlice::Read(path);
+    std::string uid;
+    auto slice = DicomSlice::Read(path, &uid);
     if (slice.IsOk())
     {
-      series[slice->Series].push_back(std::move(*slice));
+      series[uid].Found.push_back(std::move(*slice));
     }
     else if (slice.GetStatus().GetCode() != StatusCode::NotFound)
     {
-      return slice.GetStatus();
+      if (uid.empty())
+      {
+        return slice.GetStatus();
+      }
+      Status& fault = series[uid].Fault;
+      fault = fault.IsOk() ? slice.GetStatus() : fault;
     }
   }
   return series;
@@ -152,22 +166,40 @@ Result<Slices> ChooseSeries(const VolumeName& name)
     ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
     wanted = slice->Series;
   }
-  std::vector<Slices*> fitting;
-  std::string known;
-  for (auto& [uid, slices] : *all)
+  const auto take = [](FoundSeries& series) -> Result<Slices>
   {
-    const bool isEnd = uid.size() >= wanted.size() &&
-      uid.compare(uid.size() - wanted.size(), wanted.size(), wanted) == 0;
-    if (isEnd)
-    {
-      fitting.push_back(&slices);
-    }
+    ISOSURFACE_RETURN_IF_ERROR(series.Fault);
+    return std::move(series.Found);
+  };
+  std::vector<FoundSeries*> fitting;
+  Status fault;
+  std::string known;
+  for (auto& [uid, series] : *all)
+  {
     if (uid == wanted)
     {
-      return std::move(slices);
+      return take(series);
     }
-    known += (known.empty() ? "" : ", ") + uid + " (" + std::to_string(slices.size()) +
-      " slices, \"" + slices[0].Description + "\")";
+    const Slices& slices = series.Found;
+    const bool isEnd = uid.size() >= wanted.size() &&
+      uid.compare(uid.size() - wanted.size(), wanted.size(), wanted) == 0;
+    if (isEnd && slices.empty())
+    {
+      fault = fault.IsOk() ? series.Fault : fault;
+    }
+    else if (isEnd)
+    {
+      fitting.push_back(&series);
+    }
+    if (!slices.empty())
+    {
+      known += (known.empty() ? "" : ", ") + uid + " (" + std::to_string(slices.size()) +
+        " slices, \"" + slices[0].Description + "\")";
+    }
+  }
+  if (fitting.empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(fault);
   }
   if (fitting.size() != 1)
   {
@@ -176,7 +208,7 @@ Result<Slices> ChooseSeries(const VolumeName& name)
         (known.empty() ? NoImages
                        : "name one of its series, as in " + name.Path + ":UID: " + known));
   }
-  return std::move(*fitting[0]);
+  return take(*fitting[0]);
 }
 
 /// Checks that the slices are images of one kind, and sorts them.
@@ -411,8 +443,14 @@ Result<std::vector<VolumeListing>> ListDicom(FileSystem& /*files*/, const Volume
     return Status(StatusCode::NotFound, name.GetText() + ": cannot be read: " + NoImages);
   }
   std::vector<VolumeListing> list;
-  for (const auto& [uid, slices] : *all)
+  for (const auto& [uid, series] : *all)
   {
+    if (!series.Fault.IsOk())
+    {
+      list.push_back({ uid, "?", "?", series.Fault.GetMessage() });
+      continue;
+    }
+    const Slices& slices = series.Found;
     list.push_back({ uid,
       std::to_string(slices.size()) + " x " + std::to_string(slices[0].Rows) + " x " +
         std::to_string(slices[0].Columns),

@@ -147,6 +147,20 @@ class Series(Files):
         self.assertEqual((code, len(out.splitlines())), (0, 2))
         self.assertRegex(out, r"1\.2\.3  +9 x 37 x 70 +int16 +\"head 1.2.3\", transfer syntax 1.2.84")
 
+    def test_a_segmentation_beside_a_series(self):
+        samples = make_samples("int16", SHAPE)
+        self.save("seg", samples)
+        path = self.save("seg", samples[:1].astype("uint8"), series="1.2.9")
+        file = dcmread(path)
+        file.BitsAllocated, file.BitsStored, file.HighBit = 1, 1, 0
+        file.NumberOfFrames = len(samples)
+        file.PixelData = numpy.packbits(samples > 0, bitorder="little").tobytes().ljust(2 * 1456, b"\0")
+        file.save_as(path)
+        self.assert_equal_volumes(self.write("seg", "o.bvol"), self.write_raw(samples, "DICOM"))
+        self.assert_error("seg:1.2.9", "seg/1.2.9-0: cannot be read: its samples have 1 bits")
+        out = self.run_tool("--list", "seg")[1]
+        self.assertRegex(out, r"1\.2\.9  +\? +\? +seg/1\.2\.9-0: cannot be read: its samples have 1 bits")
+
 
 class PlacesAndErrors(Files):
     def test_orientation_and_tilted_gantry(self):

@@ -5,10 +5,13 @@
 #include "Formats/Dicom/DicomSlice.h"
 #include "Formats/Opener/ForeignVolume.h"
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -280,6 +283,114 @@ TEST(DicomVolume, IsForkedWithoutItsHeadersBeingReadAgain)
   EXPECT_EQ(std::memcmp(samples->Arrays.at(0).First, SlicePixels.data(), SlicePixels.size()), 0);
   EXPECT_EQ(forked->Read({ { 0, 0, 1 }, { 3, 2, 2 } }).GetStatus().GetCode(), StatusCode::NotFound);
   std::filesystem::remove_all(folder);
+}
+
+namespace
+{
+
+/// A folder that is removed at the end of the test.
+class SeriesFolder
+{
+public:
+  SeriesFolder()
+    : Path(testing::TempDir() + "DicomVolume-series-" + std::to_string(::getpid()))
+  {
+    std::filesystem::create_directory(this->Path);
+  }
+  ~SeriesFolder() { std::filesystem::remove_all(this->Path); }
+
+  /// Writes a file of a series, the UID of which has the length of that of DicomBytes.
+  void Write(const std::string& name, Bytes bytes, const std::string& series) const
+  {
+    const std::string uid = "1.2.3";
+    const auto at = std::search(bytes.begin(), bytes.end(), uid.begin(), uid.end());
+    if (at != bytes.end())
+    {
+      std::copy(series.begin(), series.end(), at);
+    }
+    std::ofstream(this->Path / name, std::ios::binary)
+      .write(
+        reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  std::string FindError(const std::string& within = "") const
+  {
+    const auto opened = OpenForeignVolume(GetLocalFileSystem(), this->Path.string() + within);
+    return opened.IsOk() ? std::string() : opened.GetStatus().GetMessage();
+  }
+
+  const std::filesystem::path Path;
+};
+
+DicomBytes MakeSlice(
+  const std::string& place, std::uint32_t bits = 16, const std::string& syntax = SliceSyntax)
+{
+  DicomBytes bytes;
+  bytes.PutStart(syntax).PutImage(3, 2, bits, "0\\0\\" + place);
+  return bytes.PutBytes(0x7fe00010, "OW", SlicePixels);
+}
+
+/// The first bytes, up to a tag.
+Bytes CutBefore(const Bytes& whole, std::uint32_t tag)
+{
+  const Bytes head = DicomBytes().Put(tag >> 16, 2).Put(tag & 0xffff, 2).Get();
+  return Bytes(whole.begin(), std::search(whole.begin(), whole.end(), head.begin(), head.end()));
+}
+
+} // namespace
+
+TEST(DicomVolume, AnUnreadableImageIsAnErrorOfItsSeriesAlone)
+{
+  const std::vector<std::pair<Bytes, std::string>> bad = {
+    { MakeSlice("2", 1).Get(), "its samples have 1 bits" }, // of a segmentation
+    { MakeSlice("2", 16, "1.2.840.999").Get(), "its transfer syntax 1.2.840.999" },
+    { CutBefore(MakeSlice("2").Get(), 0x00280010), "" },
+  };
+  for (const auto& [bytes, reason] : bad)
+  {
+    SCOPED_TRACE(reason);
+    const SeriesFolder folder;
+    folder.Write("bad.dcm", bytes, "1.2.9");
+    const std::string error = folder.FindError();
+    const std::string expected = (folder.Path / "bad.dcm").string() + ": cannot be read: ";
+    EXPECT_EQ(error.find(expected), 0u) << error;
+    EXPECT_NE(error.find(reason), std::string::npos) << error;
+    folder.Write("0.dcm", MakeSlice("0").Get(), "1.2.3");
+    folder.Write("1.dcm", MakeSlice("1").Get(), "1.2.3");
+    for (const std::string within : { "", ":1.2.3", "/0.dcm" })
+    {
+      EXPECT_EQ(folder.FindError(within), "") << within;
+    }
+    for (const std::string within : { ":1.2.9", ":.9", "/bad.dcm" })
+    {
+      EXPECT_EQ(folder.FindError(within), error) << within;
+    }
+    const auto list = Require(ListForeignVolumes(GetLocalFileSystem(), folder.Path.string()));
+    ASSERT_EQ(list.size(), 2u);
+    EXPECT_EQ(list[0].Name + ": " + list[0].Shape, "1.2.3: 2 x 2 x 3");
+    EXPECT_EQ(list[1].Name + ": " + list[1].Storage, "1.2.9: " + error);
+    // A slice of the series that is chosen is no less an error than before.
+    folder.Write("bad.dcm", bytes, "1.2.3");
+    for (const std::string within : { "", ":1.2.3", "/0.dcm" })
+    {
+      EXPECT_EQ(folder.FindError(within), error) << within;
+    }
+    // Of two that can be read one is to be named.
+    folder.Write("bad.dcm", bytes, "1.2.9");
+    folder.Write("0.dcm", MakeSlice("0").Get(), "1.2.4");
+    const std::string choice = folder.FindError();
+    EXPECT_NE(choice.find("name one of its series"), std::string::npos) << choice;
+  }
+}
+
+TEST(DicomVolume, AnUnreadableImageWhoseSeriesIsNotKnownIsAnErrorOfAll)
+{
+  const SeriesFolder folder;
+  folder.Write("0.dcm", MakeSlice("0").Get(), "1.2.3");
+  folder.Write("bad.dcm", CutBefore(MakeSlice("1").Get(), 0x0020000e), "");
+  const std::string error = folder.FindError();
+  EXPECT_EQ(error.find((folder.Path / "bad.dcm").string()), 0u) << error;
+  EXPECT_EQ(folder.FindError(":1.2.3"), error);
+  ExpectMessage(ListForeignVolumes(GetLocalFileSystem(), folder.Path.string()).GetStatus(), error);
 }
 
 TEST(DicomSlice, APathThatTheSystemRefusesIsAnError)
