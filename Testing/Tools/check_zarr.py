@@ -56,7 +56,7 @@ class VersionTwoAndN5(SourceCase):
 
     def test_missing_chunks_have_the_fill_value(self):
         # zarr 3 writes infinity in a way that JSON does not have.
-        for fill in (-7.5, numpy.inf) if IS_ZARR_2 else (-7.5,):
+        for fill in (-7.5, numpy.inf):
             samples = numpy.full(SHAPE, fill, "float32")
             array = create_array(self.path("f.zarr"), SHAPE, "float32", (10, 10, 10), fill_value=fill)
             array[10:20, 5:30, :15] = samples[10:20, 5:30, :15] = \
@@ -114,7 +114,9 @@ class VersionThree(SourceCase):
                  dict(codecs=[{"name": "transpose", "configuration": {"order": [1, 2, 0]}}, LITTLE,
                               {"name": "blosc"}]),
                  dict(codecs=[LITTLE, {"name": "zstd"}], shard=(16, 24, 32)),
-                 dict(codecs=[BIG, crc], shard=(48, 48, 96), at_start=True)]
+                 dict(codecs=[BIG, crc], shard=(48, 48, 96), at_start=True),
+                 dict(codecs=[LITTLE], shard=(8, 12, 16)),
+                 dict(codecs=[BIG, {"name": "gzip"}], shard=(8, 12, 16), at_start=True)]
         for number, dtype in enumerate(TYPES):
             form = forms[number % len(forms)]
             with self.subTest(type=dtype, **form):
