@@ -130,6 +130,18 @@ TYPED_TEST(GrowingSpectrumOfType, IsThatOfBinsKnownBeforehand)
   ExpectMeasures(smooth, ExpectKnowsTheBins(smooth));
 }
 
+TYPED_TEST(GrowingSpectrumOfType, IsKnownUpToTheMaximumOfTheType)
+{
+  using T = TypeParam;
+  for (const int steps : { 1, 3 })
+  {
+    const SampleVolume<T> volume({ 40, 20, 18 },
+      [steps](auto i, auto, auto)
+      { return std::numeric_limits<T>::max() - static_cast<T>(i % steps); });
+    ExpectMeasures(volume, ExpectKnowsTheBins(volume));
+  }
+}
+
 TEST(GrowingSpectrum, CountsSurfacesAroundSamplesThatAreNotFinite)
 {
   constexpr float infinity = std::numeric_limits<float>::infinity();
