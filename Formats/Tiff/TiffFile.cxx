@@ -5,10 +5,14 @@
 #include "Formats/Tiff/TiffHandle.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 
 namespace isosurface
@@ -24,6 +28,8 @@ constexpr std::size_t MaximumPages = std::size_t{ 1 } << 20;
 constexpr std::size_t MaximumLevels = 31;
 /// The maximum size of a page. Four times as much is a number, too.
 constexpr std::uint64_t MaximumPageBytes = std::uint64_t{ 1 } << 60;
+/// The tag with which GDAL says what samples are that do not exist: a number as text.
+constexpr std::uint32_t NoDataTag = 42113;
 
 /// A way to compress that libtiff may know.
 struct Compression
@@ -73,6 +79,75 @@ std::optional<ValueType> FindSampleType(std::uint16_t format, std::uint16_t bits
     return std::nullopt;
   }
   return bits % 8 == 0 ? FindIntegerType(bits / 8, isSigned) : std::nullopt;
+}
+
+/// GDAL's text of a number as a sample; nothing if the type does not have it.
+template <typename T>
+std::optional<T> ParseSample(const std::string& text)
+{
+  const std::optional<double> number = ParseDouble(text);
+  if constexpr (std::is_floating_point_v<T>)
+  {
+    const std::string word = LowerText(text);
+    const std::string unsignedWord = word.substr(word.find_first_not_of("+-") == 1 ? 1 : 0);
+    if (unsignedWord == "nan")
+    {
+      return std::numeric_limits<T>::quiet_NaN();
+    }
+    if (unsignedWord == "inf")
+    {
+      return word[0] == '-' ? -std::numeric_limits<T>::infinity()
+                            : std::numeric_limits<T>::infinity();
+    }
+    // Rounded to fewer digits, the largest float is a little beyond itself.
+    const double most = std::numeric_limits<T>::max();
+    return number && std::abs(*number) / (1 + 1e-7) <= most
+      ? std::optional(static_cast<T>(std::clamp(*number, -most, most)))
+      : std::nullopt;
+  }
+  else
+  {
+    T whole = 0;
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, whole);
+    if (read.ec == std::errc() && read.ptr == end)
+    {
+      return whole;
+    }
+    const double least = static_cast<double>(std::numeric_limits<T>::min());
+    return number && *number >= least &&
+        *number < std::ldexp(1.0, std::numeric_limits<T>::digits) && std::trunc(*number) == *number
+      ? std::optional(static_cast<T>(*number)) // such as "255.0"
+      : std::nullopt;
+  }
+}
+
+/// Sets all samples to one.
+void FillSamples(std::uint8_t* samples, std::size_t bytes, const std::array<std::uint8_t, 8>& fill,
+  std::size_t valueSize)
+{
+  for (std::size_t at = 0; at < bytes; at += valueSize)
+  {
+    std::memcpy(samples + at, fill.data(), valueSize);
+  }
+}
+
+/// Puts samples of the file into the byte order of the machine.
+void SwapSamples(std::uint8_t* samples, std::size_t bytes, std::size_t valueSize)
+{
+  const auto count = static_cast<tmsize_t>(bytes / valueSize);
+  if (valueSize == 2)
+  {
+    ::TIFFSwabArrayOfShort(reinterpret_cast<std::uint16_t*>(samples), count);
+  }
+  else if (valueSize == 4)
+  {
+    ::TIFFSwabArrayOfLong(reinterpret_cast<std::uint32_t*>(samples), count);
+  }
+  else if (valueSize == 8)
+  {
+    ::TIFFSwabArrayOfLong8(reinterpret_cast<std::uint64_t*>(samples), count);
+  }
 }
 
 /// An integer in ImageJ's description, such as "images=2048".
@@ -307,7 +382,7 @@ Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) cons
   const std::uint64_t begin = ::TIFFGetStrileOffset(this->Tiff->Tiff, 0);
   const std::uint64_t size = this->Tiff->File->GetSize();
   if (this->Tiff->Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) != COMPRESSION_NONE ||
-    ::TIFFNumberOfStrips(this->Tiff->Tiff) != 1 || begin > size ||
+    ::TIFFNumberOfStrips(this->Tiff->Tiff) != 1 || begin == 0 || begin > size ||
     static_cast<std::uint64_t>(images) > (size - begin) / bytes)
   {
     return this->MakeError(StatusCode::Corrupt,
@@ -375,42 +450,92 @@ Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, 
   const std::int64_t rowsPerStrip = std::max<std::int64_t>(1,
     std::min<std::int64_t>(
       this->Tiff->Get<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, 1), this->Format.Height));
-  std::uint8_t* const begin = to;
   for (std::int64_t row = rectangle.LowY; row < rectangle.HighY;)
   {
-    const std::int64_t strip = row / rowsPerStrip;
-    const std::int64_t end = std::min(rectangle.HighY, (strip + 1) * rowsPerStrip);
+    const std::int64_t number = row / rowsPerStrip;
+    const std::int64_t end = std::min(rectangle.HighY, (number + 1) * rowsPerStrip);
     const std::int64_t rows = isWhole ? end - row : 1;
-    const std::uint64_t offset = ::TIFFGetStrileOffset(tiff, static_cast<std::uint32_t>(strip)) +
-      page.Shift + static_cast<std::uint64_t>(row - strip * rowsPerStrip) * rowBytes +
-      static_cast<std::uint64_t>(rectangle.LowX) * valueSize;
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->Tiff->File->Read(offset, bytes * static_cast<std::size_t>(rows), to));
-    to += bytes * static_cast<std::size_t>(rows);
+    const std::size_t size = bytes * static_cast<std::size_t>(rows);
+    const auto strip = this->FindStrile(static_cast<std::uint32_t>(number));
+    ISOSURFACE_RETURN_IF_ERROR(strip.GetStatus());
+    const auto skipped = static_cast<std::uint64_t>(row - number * rowsPerStrip);
+    if (strip->IsAbsent())
+    {
+      FillSamples(to, size, this->FindFill(), valueSize);
+    }
+    else if (strip->Offset == 0 ||
+      strip->Size / rowBytes < skipped + static_cast<std::uint64_t>(rows))
+    {
+      return this->MakeError(StatusCode::Corrupt,
+        "the strip of row " + std::to_string(number * rowsPerStrip) + " is truncated: it has " +
+          std::to_string(strip->Size) + " bytes");
+    }
+    else
+    {
+      const std::uint64_t offset = strip->Offset + page.Shift + skipped * rowBytes +
+        static_cast<std::uint64_t>(rectangle.LowX) * valueSize;
+      ISOSURFACE_RETURN_IF_ERROR(this->Tiff->File->Read(offset, size, to));
+      if (::TIFFIsByteSwapped(tiff) != 0)
+      {
+        SwapSamples(to, size, valueSize);
+      }
+    }
+    to += size;
     row += rows;
-  }
-  const auto samples = static_cast<tmsize_t>(static_cast<std::uint64_t>(to - begin) / valueSize);
-  if (::TIFFIsByteSwapped(tiff) != 0 && valueSize == 2)
-  {
-    ::TIFFSwabArrayOfShort(reinterpret_cast<std::uint16_t*>(begin), samples);
-  }
-  else if (::TIFFIsByteSwapped(tiff) != 0 && valueSize == 4)
-  {
-    ::TIFFSwabArrayOfLong(reinterpret_cast<std::uint32_t*>(begin), samples);
-  }
-  else if (::TIFFIsByteSwapped(tiff) != 0 && valueSize == 8)
-  {
-    ::TIFFSwabArrayOfLong8(reinterpret_cast<std::uint64_t*>(begin), samples);
   }
   return Status::Ok();
 }
 
+Result<TiffFile::Strile> TiffFile::FindStrile(std::uint32_t number) const
+{
+  // The functions without "WithErr" give 0 as well when they cannot read.
+  int hasNoOffset = 0;
+  int hasNoSize = 0;
+  Strile strile;
+  strile.Offset = ::TIFFGetStrileOffsetWithErr(this->Tiff->Tiff, number, &hasNoOffset);
+  strile.Size = ::TIFFGetStrileByteCountWithErr(this->Tiff->Tiff, number, &hasNoSize);
+  if (hasNoOffset != 0 || hasNoSize != 0)
+  {
+    return this->MakeError(
+      StatusCode::Corrupt, "truncated: the places of its strips or tiles are not there");
+  }
+  return strile;
+}
+
+std::array<std::uint8_t, 8> TiffFile::FindFill() const
+{
+  ::TIFF* tiff = this->Tiff->Tiff;
+  std::string text;
+  const ::TIFFField* field = ::TIFFFindField(tiff, NoDataTag, TIFF_ANY);
+  if (field && ::TIFFFieldDataType(field) == TIFF_ASCII)
+  {
+    std::uint32_t count = 0;
+    const char* found = nullptr;
+    // libtiff does not know the tag and counts its letters, unless GDAL is in the process, too.
+    const bool isCounted = ::TIFFFieldPassCount(field) != 0;
+    const int isFound = isCounted ? ::TIFFGetField(tiff, NoDataTag, &count, &found)
+                                  : ::TIFFGetField(tiff, NoDataTag, &found);
+    if (isFound == 1 && found)
+    {
+      text = isCounted ? std::string(found, count) : std::string(found);
+      text = TrimText(text.substr(0, text.find('\0')));
+    }
+  }
+  std::array<std::uint8_t, 8> fill = {};
+  DispatchValueType(this->Format.Type,
+    [&](auto type)
+    {
+      const auto sample = ParseSample<decltype(type)>(text).value_or(type);
+      std::memcpy(fill.data(), &sample, sizeof(sample));
+    });
+  return fill;
+}
+
 // libtiff 4.5 writes outside of its memory when code cannot be read that the directory promises.
-bool TiffFile::HasCodeOf(std::uint32_t strile) const
+bool TiffFile::HasCodeOf(const Strile& strile) const
 {
   const std::uint64_t size = this->Tiff->File->GetSize();
-  const std::uint64_t offset = ::TIFFGetStrileOffset(this->Tiff->Tiff, strile);
-  return offset <= size && ::TIFFGetStrileByteCount(this->Tiff->Tiff, strile) <= size - offset;
+  return strile.Offset <= size && strile.Size <= size - strile.Offset;
 }
 
 Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
@@ -429,7 +554,18 @@ Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
     const std::size_t stripBytes = static_cast<std::size_t>(end - first) * rowBytes;
     const bool isWhole = row == first && end <= rectangle.HighY && rowBytes == bytes;
     const auto number = static_cast<std::uint32_t>(first / rowsPerStrip);
-    const bool hasCode = this->HasCodeOf(number);
+    const std::int64_t last = std::min(end, rectangle.HighY);
+    const auto found = this->FindStrile(number);
+    ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+    if (found->IsAbsent())
+    {
+      const std::size_t size = static_cast<std::size_t>(last - row) * bytes;
+      FillSamples(to, size, this->FindFill(), valueSize);
+      to += size;
+      row = last;
+      continue;
+    }
+    const bool hasCode = this->HasCodeOf(*found);
     if (hasCode && !isWhole)
     {
       this->Scratch.resize(stripBytes);
@@ -442,7 +578,6 @@ Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
       return this->MakeError(
         StatusCode::Corrupt, "the strip of row " + std::to_string(first) + " is truncated");
     }
-    const std::int64_t last = std::min(end, rectangle.HighY);
     for (std::int64_t copied = row; !isWhole && copied < last; ++copied)
     {
       std::memcpy(to + static_cast<std::size_t>(copied - row) * bytes,
@@ -476,23 +611,34 @@ Status TiffFile::ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to)
     {
       const std::uint32_t tile =
         ::TIFFComputeTile(tiff, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, 0);
-      const bool hasCode = this->HasCodeOf(tile);
+      const auto found = this->FindStrile(tile);
+      ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+      const bool hasCode = !found->IsAbsent() && this->HasCodeOf(*found);
       this->Scratch.resize(hasCode ? static_cast<std::size_t>(tileBytes) : this->Scratch.size());
-      if (!hasCode ||
-        ::TIFFReadEncodedTile(tiff, tile, this->Scratch.data(), tileBytes) != tileBytes)
+      if (!found->IsAbsent() &&
+        (!hasCode ||
+          ::TIFFReadEncodedTile(tiff, tile, this->Scratch.data(), tileBytes) != tileBytes))
       {
         return this->MakeError(
           StatusCode::Corrupt, "tile " + std::to_string(tile) + " is truncated");
       }
+      const auto fill = found->IsAbsent() ? this->FindFill() : std::array<std::uint8_t, 8>();
       const std::int64_t left = std::max(x, rectangle.LowX);
       const std::int64_t right = std::min(x + width, rectangle.HighX);
+      const std::size_t size = static_cast<std::size_t>(right - left) * valueSize;
       for (std::int64_t row = std::max(y, rectangle.LowY);
            row < std::min(y + height, rectangle.HighY); ++row)
       {
-        std::memcpy(to + static_cast<std::size_t>(row - rectangle.LowY) * bytes +
-            static_cast<std::size_t>(left - rectangle.LowX) * valueSize,
+        std::uint8_t* const samples = to + static_cast<std::size_t>(row - rectangle.LowY) * bytes +
+          static_cast<std::size_t>(left - rectangle.LowX) * valueSize;
+        if (found->IsAbsent())
+        {
+          FillSamples(samples, size, fill, valueSize);
+          continue;
+        }
+        std::memcpy(samples,
           this->Scratch.data() + static_cast<std::size_t>((row - y) * width + left - x) * valueSize,
-          static_cast<std::size_t>(right - left) * valueSize);
+          size);
       }
     }
   }

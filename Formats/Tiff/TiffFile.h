@@ -52,7 +52,8 @@ struct TiffRectangle
  * LZW, deflate, PackBits, zstd, LZMA or JPEG; up to 2^20 pages. Samples are read as they are
  * stored, the first row first, for any photometric interpretation. Also reads the files that ImageJ
  * writes beyond 4 GiB: one directory, followed by the samples of all pages. A page may have smaller
- * images of itself, as OME-TIFF has them (tag SubIFDs): these are the levels of a pyramid.
+ * images of itself, as OME-TIFF has them (tag SubIFDs): these are the levels of a pyramid. Strips and
+ * tiles that do not exist, as in sparse files of GDAL, have the samples of its tag GDAL_NODATA, or 0.
  *
  * One thread at a time may use a file. Errors name the file and the page.
  *
@@ -99,6 +100,16 @@ public:
   Status Read(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
 
 private:
+  /// Where the bytes of a strip or tile ("strile") are in the file.
+  struct Strile
+  {
+    std::uint64_t Offset = 0;
+    std::uint64_t Size = 0;
+
+    /// GDAL writes neither a strip nor a tile of a sparse file that has no samples.
+    bool IsAbsent() const { return this->Offset == 0 && this->Size == 0; }
+  };
+
   explicit TiffFile(std::unique_ptr<TiffHandle> handle);
 
   /// The format of the current directory. Errors: Corrupt, Unsupported.
@@ -117,8 +128,13 @@ private:
   Status ReadRows(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to);
   Status ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to);
   Status ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to);
-  /// Whether the bytes of a strip or tile ("strile") are within the file.
-  bool HasCodeOf(std::uint32_t strile) const;
+  /// A strip or tile of the current directory. Errors: Corrupt.
+  Result<Strile> FindStrile(std::uint32_t number) const;
+  /// The bytes of a sample that the file does not have: GDAL's number if it gives one that the type
+  /// has, or else 0.
+  std::array<std::uint8_t, 8> FindFill() const;
+  /// Whether the bytes of a strip or tile are within the file.
+  bool HasCodeOf(const Strile& strile) const;
   /// An error that names the file and the page. The reason is that of libtiff if there is one,
   /// otherwise `reason`.
   Status MakeError(StatusCode code, const std::string& reason) const;

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 
 #include <sys/resource.h>
@@ -89,6 +90,91 @@ void ExpectRefused(const Bytes& bytes, StatusCode code, const std::string& reaso
   ASSERT_FALSE(volume.IsOk());
   EXPECT_EQ(volume.GetStatus().GetCode(), code);
   EXPECT_EQ(volume.GetStatus().GetMessage(), "/data/a.tif: page 1: " + reason);
+}
+
+/// How a sparse file is written, and what GDAL's tag says of the samples that it does not have.
+struct SparseTiff
+{
+  TiffLayout Layout;
+  const char* NoData; ///< perhaps null
+};
+
+/// Writes every second strip or tile of each page alone; the samples of the others become `fill`.
+template <typename T>
+void WriteSparse(const std::string& path, const SparseTiff& sparse, SampleVolume<T>& volume, T fill)
+{
+  const TIFFFieldInfo noData = { 42113, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0,
+    const_cast<char*>("GDAL_NODATA") };
+  TIFF* tiff = TIFFOpen(path.c_str(), sparse.Layout.Mode);
+  ASSERT_NE(tiff, nullptr);
+  const Index3 size = volume.GetDimensions();
+  const std::int64_t tile = sparse.Layout.Tile;
+  const std::int64_t width = tile > 0 ? tile : size[0];
+  const std::int64_t height = tile > 0 ? tile : sparse.Layout.RowsPerStrip;
+  for (std::int64_t k = 0; k < size[2]; ++k)
+  {
+    SetFormat<T>(tiff, size, sparse.Layout);
+    if (tile > 0)
+    {
+      TIFFSetField(tiff, TIFFTAG_TILEWIDTH, sparse.Layout.Tile);
+      TIFFSetField(tiff, TIFFTAG_TILELENGTH, sparse.Layout.Tile);
+    }
+    else
+    {
+      TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, sparse.Layout.RowsPerStrip);
+    }
+    if (sparse.NoData)
+    {
+      TIFFMergeFieldInfo(tiff, &noData, 1);
+      TIFFSetField(tiff, 42113, sparse.NoData);
+    }
+    std::uint32_t number = 0;
+    for (std::int64_t y = 0; y < size[1]; y += height)
+    {
+      for (std::int64_t x = 0; x < size[0]; x += width)
+      {
+        const std::int64_t rows = tile > 0 ? tile : std::min(height, size[1] - y);
+        std::vector<T> samples(static_cast<std::size_t>(width * rows));
+        const bool isWritten = (number + k) % 2 == 0;
+        for (std::int64_t j = y; j < std::min(y + rows, size[1]); ++j)
+        {
+          for (std::int64_t i = x; i < std::min(x + width, size[0]); ++i)
+          {
+            T& sample = volume.Samples[static_cast<std::size_t>((k * size[1] + j) * size[0] + i)];
+            samples[static_cast<std::size_t>((j - y) * width + i - x)] = sample;
+            sample = isWritten ? sample : fill;
+          }
+        }
+        const auto bytes = static_cast<tmsize_t>(samples.size() * sizeof(T));
+        if (isWritten)
+        {
+          ASSERT_EQ(tile > 0 ? TIFFWriteEncodedTile(tiff, number, samples.data(), bytes)
+                             : TIFFWriteEncodedStrip(tiff, number, samples.data(), bytes),
+            bytes);
+        }
+        ++number;
+      }
+    }
+    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
+  }
+  TIFFClose(tiff);
+}
+
+template <typename T>
+void ExpectSparse(const ScratchFolder& folder, const char* noData, T fill)
+{
+  for (const std::uint16_t compression : { COMPRESSION_NONE, COMPRESSION_LZW })
+  {
+    for (const std::uint32_t tile : { 0u, 16u })
+    {
+      for (const char* mode : { "wl", "wb", "w8b" })
+      {
+        auto volume = MakeRamp<T>({ 37, 29, 3 });
+        WriteSparse(folder / "a.tif", { { mode, compression, 4, tile }, noData }, volume, fill);
+        ExpectStack(folder / "a.tif", volume);
+      }
+    }
+  }
 }
 
 } // namespace
@@ -207,6 +293,46 @@ TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
   ExpectStack(folder / "b.tif", volume);
   std::filesystem::resize_file(folder / "b.tif", bytes.size() - 1);
   ExpectRefused(folder / "b.tif", folder / "b.tif", "truncated");
+}
+
+TEST(TiffSource, StripsAndTilesOfASparseFileHaveGdalsNumberOrZero)
+{
+  const ScratchFolder folder;
+  ExpectSparse<std::uint16_t>(folder, nullptr, 0);
+  ExpectSparse<std::uint16_t>(folder, "65535 ", 65535);
+  ExpectSparse<std::uint16_t>(folder, "-9999", 0);
+  ExpectSparse<std::uint16_t>(folder, "65536", 0);
+  ExpectSparse<std::uint16_t>(folder, "nan", 0);
+  ExpectSparse<std::uint8_t>(folder, "255.0", 255);
+  ExpectSparse<std::int16_t>(folder, "-9999", -9999);
+  ExpectSparse<std::uint64_t>(folder, "18446744073709551615", 18446744073709551615u);
+  ExpectSparse<float>(folder, "-3.4028235e+38", -std::numeric_limits<float>::max());
+  ExpectSparse<float>(folder, "1e40", 0);
+  ExpectSparse<float>(folder, "-inf", -std::numeric_limits<float>::infinity());
+  ExpectSparse<double>(folder, "-1.5", -1.5);
+  ExpectSparse<double>(folder, "none", 0);
+}
+
+TEST(TiffSource, AStripOfFewerBytesThanItsRowsIsAnError)
+{
+  const ScratchFolder folder;
+  const auto volume = MakeRamp<std::uint8_t>({ 12, 20, 1 });
+  TIFF* tiff = TIFFOpen((folder / "a.tif").c_str(), "w");
+  SetFormat<std::uint8_t>(tiff, volume.GetDimensions(), {});
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 5);
+  Bytes samples(60);
+  for (std::uint32_t strip = 0; strip < 4; ++strip)
+  {
+    TIFFWriteEncodedStrip(tiff, strip, samples.data(), strip == 2 ? 59 : 60);
+  }
+  TIFFClose(tiff);
+  auto file = Require(OpenForeignVolume(GetLocalFileSystem(), folder / "a.tif"));
+  EXPECT_TRUE(file.Source->Read({ { 0, 0, 0 }, { 12, 14, 1 } }).IsOk());
+  EXPECT_TRUE(file.Source->Read({ { 0, 15, 0 }, { 12, 20, 1 } }).IsOk());
+  const Status status = file.Source->Read(file.Source->GetBox()).GetStatus();
+  EXPECT_EQ(status.GetCode(), StatusCode::Corrupt);
+  EXPECT_EQ(status.GetMessage(),
+    folder / "a.tif" + ": page 1: the strip of row 10 is truncated: it has 59 bytes");
 }
 
 TEST(TiffSource, PagesOfDifferentFormatsAreAnError)
