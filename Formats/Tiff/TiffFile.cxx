@@ -164,6 +164,129 @@ std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std:
   return std::nullopt;
 }
 
+std::string DescribeChannels(std::int64_t channels, std::int64_t frames)
+{
+  return " several channels or frames (" + std::to_string(channels) + " channels, " +
+    std::to_string(frames) + " frames): only one is read; save it as a file of its own";
+}
+
+/// Why an image of ImageJ is no stack of slices; nothing if it is one.
+std::optional<std::string> FindFaultOfImageJ(const std::string& text)
+{
+  const std::int64_t channels = FindImageJNumber(text, "channels").value_or(1);
+  const std::int64_t frames = FindImageJNumber(text, "frames").value_or(1);
+  return text.compare(0, 7, "ImageJ=") == 0 && (channels > 1 || frames > 1)
+    ? std::optional("ImageJ wrote" + DescribeChannels(channels, frames))
+    : std::nullopt;
+}
+
+/// Where the next tag begins, at a place or behind it, that opens an element of this name, with or
+/// without a prefix.
+std::size_t FindXmlElement(const std::string& text, const std::string& name, std::size_t from)
+{
+  for (std::size_t at = text.find(name, from); at != std::string::npos;
+       at = text.find(name, at + name.size()))
+  {
+    const std::size_t end = at + name.size();
+    const std::size_t before =
+      at == 0 ? std::string::npos : text.find_last_of("<>/ \t\r\n", at - 1);
+    if (before != std::string::npos && before >= from && text[before] == '<' &&
+      (before + 1 == at || text[at - 1] == ':') && end < text.size() &&
+      std::string("/> \t\r\n").find(text[end]) != std::string::npos)
+    {
+      return before;
+    }
+  }
+  return std::string::npos;
+}
+
+/// An attribute of the tag that begins at a place; empty if it has none.
+std::string FindXmlAttribute(const std::string& text, std::size_t begin, const std::string& name)
+{
+  const std::string tag = text.substr(begin, text.find_first_of("<>", begin + 1) - begin);
+  const std::string start = name + "=";
+  for (std::size_t at = tag.find(start); at != std::string::npos; at = tag.find(start, at + 1))
+  {
+    const std::size_t quote = at + start.size();
+    if (std::string(" \t\r\n").find(tag[at - 1]) != std::string::npos && quote < tag.size() &&
+      (tag[quote] == '"' || tag[quote] == '\''))
+    {
+      const std::size_t close = tag.find(tag[quote], quote + 1);
+      return close == std::string::npos ? "" : tag.substr(quote + 1, close - quote - 1);
+    }
+  }
+  return "";
+}
+
+std::int64_t FindXmlNumber(
+  const std::string& text, std::size_t tag, const std::string& name, std::int64_t otherwise)
+{
+  return ParseInteger(FindXmlAttribute(text, tag, name)).value_or(otherwise);
+}
+
+/// Whether the elements TiffData of OME-XML say that a file has planes of one channel and frame, as
+/// each file of a set may. `pixels` and `end` are where the image's element begins and ends.
+bool IsOfOneChannel(
+  const std::string& text, std::size_t pixels, std::size_t end, const std::string& fileName)
+{
+  const std::string order = FindXmlAttribute(text, pixels, "DimensionOrder");
+  bool isAlongZ = true; // whether the planes of a slice follow those of the slice before
+  for (const char axis : order.substr(0, order.find('Z')))
+  {
+    const bool isPlane = axis == 'X' || axis == 'Y';
+    isAlongZ =
+      isAlongZ && (isPlane || FindXmlNumber(text, pixels, std::string("Size") + axis, 1) <= 1);
+  }
+  const std::int64_t slices = FindXmlNumber(text, pixels, "SizeZ", 1);
+  std::optional<std::array<std::int64_t, 2>> only;
+  std::size_t uuid = FindXmlElement(text, "UUID", pixels);
+  std::size_t at = FindXmlElement(text, "TiffData", pixels);
+  while (at < end)
+  {
+    const std::size_t next = std::min(FindXmlElement(text, "TiffData", at + 1), end);
+    uuid = uuid < at ? FindXmlElement(text, "UUID", at) : uuid;
+    const std::string name = uuid < next ? FindXmlAttribute(text, uuid, "FileName") : "";
+    if (name.empty() || name == fileName)
+    {
+      const bool isOnePlane = !FindXmlAttribute(text, at, "IFD").empty();
+      const std::int64_t planes = FindXmlNumber(
+        text, at, "PlaneCount", isOnePlane ? 1 : std::numeric_limits<std::int64_t>::max());
+      const std::array<std::int64_t, 2> place = { FindXmlNumber(text, at, "FirstC", 0),
+        FindXmlNumber(text, at, "FirstT", 0) };
+      const std::int64_t first = FindXmlNumber(text, at, "FirstZ", 0);
+      const bool isWithin = first >= 0 && first < slices && planes <= slices - first;
+      if ((planes > 1 && !(isAlongZ && isWithin)) || (only && *only != place))
+      {
+        return false;
+      }
+      only = place;
+    }
+    at = next;
+  }
+  return only.has_value();
+}
+
+/// Why the pages of a file with OME-XML are no stack of slices; nothing if they are one.
+std::optional<std::string> FindFaultOfOme(const std::string& text, const std::string& path)
+{
+  const std::size_t pixels = text.find("openmicroscopy.org/") == std::string::npos
+    ? std::string::npos
+    : FindXmlElement(text, "Pixels", 0);
+  if (pixels == std::string::npos)
+  {
+    return std::nullopt;
+  }
+  const std::int64_t channels = FindXmlNumber(text, pixels, "SizeC", 1);
+  const std::int64_t frames = FindXmlNumber(text, pixels, "SizeT", 1);
+  const std::size_t end = std::min(FindXmlElement(text, "Pixels", pixels + 1), text.size());
+  if ((channels <= 1 && frames <= 1) ||
+    IsOfOneChannel(text, pixels, end, path.substr(path.rfind('/') + 1)))
+  {
+    return std::nullopt;
+  }
+  return "its OME-XML tells of" + DescribeChannels(channels, frames);
+}
+
 } // namespace
 
 TiffFile::TiffFile(std::unique_ptr<TiffHandle> handle)
@@ -311,6 +434,7 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
 {
   ::TIFF* tiff = this->Tiff->Tiff;
   std::vector<TiffPage> pages;
+  std::string text; // of the first page
   int lastNumber = -1;
   do
   {
@@ -348,6 +472,10 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
     ISOSURFACE_RETURN_IF_ERROR(scratch.GetStatus());
     this->ScratchBytes = std::max(this->ScratchBytes, *scratch);
     this->AddLevels(pages.empty());
+    if (pages.empty())
+    {
+      text = this->FindDescription();
+    }
     pages.push_back({ ::TIFFCurrentDirOffset(tiff), 0 });
   } while (::TIFFReadDirectory(tiff) == 1);
   // The last directory ends the loop without an error; so does one that cannot be read, with one.
@@ -355,17 +483,30 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
   {
     return this->MakeError(StatusCode::Corrupt, "the directory of the next page cannot be read");
   }
+  // One page cannot be of several channels, but may be of one file among those of a set.
+  auto fault = FindFaultOfImageJ(text);
+  fault = fault ? fault : FindFaultOfOme(text, this->Tiff->File->GetPath());
+  if (pages.size() > 1 && fault)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->SelectPage(pages[0]));
+    return this->MakeError(StatusCode::Unsupported, *fault);
+  }
   auto expanded = pages.size() == 1 ? this->ExpandImageJ(pages[0]) : pages;
   this->Levels = expanded.IsOk() && expanded->size() == pages.size() ? this->Levels : 0;
   return expanded;
 }
 
-Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) const
+std::string TiffFile::FindDescription() const
 {
   const char* found = nullptr;
   const bool hasText =
     ::TIFFGetField(this->Tiff->Tiff, TIFFTAG_IMAGEDESCRIPTION, &found) == 1 && found;
-  const std::string text = hasText ? found : "";
+  return hasText ? found : "";
+}
+
+Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) const
+{
+  const std::string text = this->FindDescription();
   const std::int64_t images = FindImageJNumber(text, "images").value_or(1);
   if (text.compare(0, 7, "ImageJ=") != 0 || images <= 1)
   {
@@ -373,11 +514,9 @@ Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) cons
   }
   const std::uint64_t bytes = static_cast<std::uint64_t>(this->Format.Width) *
     static_cast<std::uint64_t>(this->Format.Height) * GetValueSize(this->Format.Type);
-  if (FindImageJNumber(text, "channels").value_or(1) > 1 ||
-    FindImageJNumber(text, "frames").value_or(1) > 1)
+  if (const auto fault = FindFaultOfImageJ(text))
   {
-    return this->MakeError(
-      StatusCode::Unsupported, "ImageJ wrote several channels or frames: only one is read");
+    return this->MakeError(StatusCode::Unsupported, *fault);
   }
   const std::uint64_t begin = ::TIFFGetStrileOffset(this->Tiff->Tiff, 0);
   const std::uint64_t size = this->Tiff->File->GetSize();

@@ -72,7 +72,8 @@ public:
   /// Reads the directories of all pages, in the order of the file. Pages that are a smaller image or
   /// the mask of another one (tag NewSubfileType), like the thumbnails of microscopes, are left out
   /// if they have another format than the first one. Unsupported if other pages have different
-  /// formats, or descending numbers (tag PageNumber).
+  /// formats, or descending numbers (tag PageNumber), or are of several channels or frames, as the
+  /// description of ImageJ or OME-XML of the first page says.
   Result<std::vector<TiffPage>> FindPages();
 
   /// The number of smaller images that each page has, after FindPages(); 0 if pages differ in it.
@@ -122,6 +123,8 @@ private:
   bool IsOfAnotherPage() const;
   /// Adds the smaller images of the current directory, which is that of a page.
   void AddLevels(bool isFirst);
+  /// The text of the current directory (tag ImageDescription), perhaps empty.
+  std::string FindDescription() const;
   /// The pages of a file of ImageJ, whose single directory stands for several pages.
   Result<std::vector<TiffPage>> ExpandImageJ(const TiffPage& first) const;
   Status SelectPage(const TiffPage& page);

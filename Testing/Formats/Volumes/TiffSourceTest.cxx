@@ -177,6 +177,34 @@ void ExpectSparse(const ScratchFolder& folder, const char* noData, T fill)
   }
 }
 
+/// A file with a description on the first page, as those have it that know of several.
+void WriteDescribed(
+  const std::string& path, const SampleVolume<std::uint8_t>& volume, const std::string& text)
+{
+  TIFF* tiff = TIFFOpen(path.c_str(), "w");
+  ASSERT_NE(tiff, nullptr);
+  for (std::int64_t k = 0; k < volume.GetDimensions()[2]; ++k)
+  {
+    if (k == 0)
+    {
+      TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, text.c_str());
+    }
+    WritePage(tiff, volume, k, {});
+    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
+  }
+  TIFFClose(tiff);
+}
+
+/// OME-XML of an image with these sizes and elements.
+std::string MakeOme(const std::string& sizes, const std::string& elements)
+{
+  return R"(<?xml version="1.0" encoding="UTF-8"?>)"
+         R"(<OME xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06"><Image ID="Image:0">)"
+         R"(<Pixels ID="Pixels:0" DimensionOrder="XYZCT" Type="uint8" SizeX="12" SizeY="9" )" +
+    sizes + R"(><Channel ID="Channel:0:0" SamplesPerPixel="1"/>)" + elements +
+    "</Pixels></Image></OME>";
+}
+
 } // namespace
 
 TEST(TiffSource, ReadsEveryTypeInBothByteOrders)
@@ -293,6 +321,65 @@ TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
   ExpectStack(folder / "b.tif", volume);
   std::filesystem::resize_file(folder / "b.tif", bytes.size() - 1);
   ExpectRefused(folder / "b.tif", folder / "b.tif", "truncated");
+}
+
+TEST(TiffSource, ChannelsAndFramesOfAHyperstackAreNoSlices)
+{
+  const ScratchFolder folder;
+  const std::string path = folder / "a.tif";
+  const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 6 });
+  const auto expectRefused = [&](const std::string& text, const std::string& reason)
+  {
+    WriteDescribed(path, volume, text);
+    ExpectRefused(
+      path, path, "page 1: " + reason + ": only one is read; save it as a file of its own");
+  };
+  const auto expectRead = [&](const std::string& text)
+  {
+    WriteDescribed(path, volume, text);
+    ExpectStack(path, volume);
+  };
+  expectRefused("ImageJ=1.53t\nimages=6\nchannels=2\nslices=3\nhyperstack=true\n",
+    "ImageJ wrote several channels or frames (2 channels, 1 frames)");
+  expectRefused("ImageJ=1.53t\nimages=6\nslices=2\nframes=3\nhyperstack=true\n",
+    "ImageJ wrote several channels or frames (1 channels, 3 frames)");
+  expectRead("ImageJ=1.53t\nimages=6\nslices=6\nloop=false\n");
+  expectRead("channels=2\n");
+
+  const std::string all = "<TiffData/>";
+  expectRefused(MakeOme(R"(SizeC="2" SizeZ="3" SizeT="1")", all),
+    "its OME-XML tells of several channels or frames (2 channels, 1 frames)");
+  expectRefused(MakeOme(R"(SizeC="1" SizeZ="1" SizeT="6")", ""),
+    "its OME-XML tells of several channels or frames (1 channels, 6 frames)");
+  expectRead(MakeOme(R"(SizeC="1" SizeZ="6" SizeT="1")", all));
+}
+
+TEST(TiffSource, AFileOfASetMayHaveTheSlicesOfOneChannel)
+{
+  const ScratchFolder folder;
+  const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 2 });
+  const std::string sizes = R"(SizeC="2" SizeZ="2" SizeT="1")";
+  const auto makePlane = [](int c, int z, const std::string& file)
+  {
+    return R"(<TiffData FirstC=")" + std::to_string(c) + R"(" FirstT="0" FirstZ=")" +
+      std::to_string(z) + R"(" IFD="0" PlaneCount="1"><UUID FileName=")" + file +
+      R"(">urn:uuid:0</UUID></TiffData>)";
+  };
+  const std::string byChannel = makePlane(0, 0, "c0.tif") + makePlane(0, 1, "c0.tif") +
+    makePlane(1, 0, "c1.tif") + makePlane(1, 1, "c1.tif");
+  WriteDescribed(folder / "c1.tif", volume, MakeOme(sizes, byChannel));
+  ExpectStack(folder / "c1.tif", volume);
+  const std::string inOne = R"(<TiffData FirstC="1" FirstZ="0" PlaneCount="2"/>)";
+  WriteDescribed(folder / "c1.tif", volume, MakeOme(sizes, inOne));
+  ExpectStack(folder / "c1.tif", volume);
+  const std::string bySlice = makePlane(0, 0, "z0.tif") + makePlane(1, 0, "z0.tif") +
+    makePlane(0, 1, "z1.tif") + makePlane(1, 1, "z1.tif");
+  WriteDescribed(folder / "z1.tif", volume, MakeOme(sizes, bySlice));
+  ExpectRefused(folder / "z1.tif", folder / "z1.tif", "(2 channels, 1 frames)");
+  // One page is one slice.
+  const auto slice = MakeRamp<std::uint8_t>({ 12, 9, 1 });
+  WriteDescribed(folder / "s.tif", slice, MakeOme(sizes, "<TiffData/>"));
+  ExpectStack(folder / "s.tif", slice);
 }
 
 TEST(TiffSource, StripsAndTilesOfASparseFileHaveGdalsNumberOrZero)
