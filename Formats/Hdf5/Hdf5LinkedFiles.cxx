@@ -130,11 +130,6 @@ std::string FindName(ssize_t (*find)(hid_t, std::size_t, char*, std::size_t),
   return name;
 }
 
-bool IsPattern(const std::string& name)
-{
-  return name.find("%b") != std::string::npos;
-}
-
 /// "%b" in the name stands for a number, "%%" for a percent sign.
 std::string FillPattern(const std::string& name, std::size_t number)
 {
@@ -146,6 +141,12 @@ std::string FillPattern(const std::string& name, std::size_t number)
     at += next == 'b' || next == '%' ? 1 : 0;
   }
   return filled;
+}
+
+/// Whether the name stands for several: the "b" of "%%b" is a letter.
+bool IsPattern(const std::string& name)
+{
+  return FillPattern(name, 0) != FillPattern(name, 1);
 }
 
 bool IsWithin(const std::filesystem::path& path, const std::filesystem::path& folder)

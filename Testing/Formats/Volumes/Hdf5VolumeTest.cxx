@@ -202,6 +202,17 @@ TEST(Hdf5Volume, VirtualDatasetsOfAFifoAreRefusedWithoutWaiting)
     ListPaths(folder / "a.h5"), (std::vector<std::string>{ "/outer", "/slices", "/virtual" }));
 }
 
+TEST(Hdf5Volume, TwoPercentSignsInTheNameOfAVirtualSourceAreOne)
+{
+  const ScratchFolder folder;
+  Hdf5OnDisk(folder / "a%b.h5").AddDataset("100%b");
+  {
+    Hdf5OnDisk file(folder / "a.h5");
+    file.AddVirtual("virtual", "a%%b.h5", "/100%%b");
+  }
+  ExpectVolume(folder / "a.h5:/virtual");
+}
+
 TEST(Hdf5Volume, VirtualDatasetsOfEachOtherAreReadEightDeepAndNoDeeper)
 {
   const ScratchFolder folder;
