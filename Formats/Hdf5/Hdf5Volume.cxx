@@ -160,6 +160,31 @@ private:
     return Status::Ok();
   }
 
+  /// A dataset with a number for each time step.
+  Result<std::vector<double>> ReadSteps(const std::string& path) const
+  {
+    const auto list = this->File.OpenArray(path, 0);
+    ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
+    const StoredArray::Numbers shape = (*list)->GetShape();
+    if (shape.size() != 1 || shape[0] < 1 || shape[0] > MaximumTimeSteps)
+    {
+      return AddObject(this->Name, path,
+        Status(StatusCode::Corrupt,
+          "it is no list of 1 to " + std::to_string(MaximumTimeSteps) + " time steps"));
+    }
+    return DispatchValueType((*list)->GetType(),
+      [&](auto zero) -> Result<std::vector<double>>
+      {
+        std::vector<decltype(zero)> numbers(static_cast<std::size_t>(shape[0]));
+        ISOSURFACE_RETURN_IF_ERROR(
+          (*list)->Read({ 0 }, shape, reinterpret_cast<std::uint8_t*>(numbers.data())));
+        std::vector<double> steps(numbers.size());
+        std::transform(numbers.begin(), numbers.end(), steps.begin(),
+          [](auto number) { return static_cast<double>(number); });
+        return steps;
+      });
+  }
+
   /// The times of the group Steps, which temporal data have.
   Status TakeTimes()
   {
@@ -168,22 +193,49 @@ private:
     {
       return Status::Ok();
     }
-    const auto values = this->File.OpenArray(path, 0);
+    auto values = this->ReadSteps(path);
     ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
-    const StoredArray::Numbers shape = (*values)->GetShape();
-    if (shape.size() != 1 || shape[0] < 1 || shape[0] > MaximumTimeSteps ||
-      ((*values)->GetType() != ValueType::Float64 && (*values)->GetType() != ValueType::Float32))
-    {
-      return this->MakeError(StatusCode::Corrupt, "its Steps/Values are no list of times");
-    }
-    const bool isDouble = (*values)->GetType() == ValueType::Float64;
-    this->Volume.Times.resize(static_cast<std::size_t>(shape[0]));
-    std::vector<float> singles(isDouble ? 0 : this->Volume.Times.size());
-    auto* to = isDouble ? reinterpret_cast<std::uint8_t*>(this->Volume.Times.data())
-                        : reinterpret_cast<std::uint8_t*>(singles.data());
-    ISOSURFACE_RETURN_IF_ERROR((*values)->Read({ 0 }, shape, to));
-    std::copy(singles.begin(), singles.end(), this->Volume.Times.begin());
+    this->Volume.Times = std::move(*values);
     return Status::Ok();
+  }
+
+  /// Where a time step is on the t axis of an array, which has `count` entries: several steps may have
+  /// one entry.
+  Result<std::size_t> FindEntry(
+    const std::string& array, std::size_t step, std::int64_t count) const
+  {
+    const std::size_t steps = this->Volume.Times.size();
+    const std::string group = this->Group + "/Steps/PointDataOffsets";
+    const std::string path = group + "/" + array;
+    if (step >= steps)
+    {
+      return this->MakeError(StatusCode::InvalidArgument,
+        "it has " + std::to_string(steps) + " time steps, and none of number " +
+          std::to_string(step));
+    }
+    if (!this->File.Has(group) || !this->File.Has(path))
+    {
+      return static_cast<std::size_t>(count) == steps
+        ? Result<std::size_t>(step)
+        : this->MakeError(StatusCode::Corrupt,
+            "Steps/Values has " + std::to_string(steps) + " time steps, the point array " + array +
+              " has " + std::to_string(count) + ", and no Steps/PointDataOffsets/" + array +
+              " tells which is which");
+    }
+    const auto offsets = this->ReadSteps(path);
+    ISOSURFACE_RETURN_IF_ERROR(offsets.GetStatus());
+    const double offset = offsets->size() == steps ? (*offsets)[step] : -1;
+    if (!(offset >= 0 && offset < static_cast<double>(count) && std::trunc(offset) == offset))
+    {
+      return AddObject(this->Name, path,
+        Status(StatusCode::Corrupt,
+          offsets->size() == steps ? "time step " + std::to_string(step) + " has the number " +
+              std::to_string(std::llround(offset)) + ", the point array has " +
+              std::to_string(count) + " time steps from 0"
+                                   : "it has " + std::to_string(offsets->size()) + " numbers for " +
+              std::to_string(steps) + " time steps"));
+    }
+    return static_cast<std::size_t>(offset);
   }
 
   Status TakeArrays(const VolumeChoice& choice)
@@ -208,7 +260,14 @@ private:
       {
         return AddObject(this->Name, path, axes.GetStatus());
       }
-      auto made = MakeParts(array, std::move(*stored), *axes, choice.Step);
+      std::size_t entry = choice.Step;
+      if (hasSteps)
+      {
+        const auto found = this->FindEntry(array, choice.Step, (*stored)->GetShape()[0]);
+        ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+        entry = *found;
+      }
+      auto made = MakeParts(array, std::move(*stored), *axes, entry);
       ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
       parts.insert(parts.end(), made->begin(), made->end());
     }

@@ -75,6 +75,52 @@ hid_t MakeChunks(const hsize_t (&chunk)[3])
   return plist;
 }
 
+/// Image data of VTKHDF with one point array, "data": each sample is the number of its entry on the
+/// t axis. Without offsets if there are none.
+void WriteSteps(const std::string& path, hsize_t entries, const std::vector<double>& times,
+  const std::vector<std::int64_t>& offsets)
+{
+  Hdf5OnDisk file(path);
+  const hid_t links = ::H5Pcreate(H5P_LINK_CREATE);
+  ::H5Pset_create_intermediate_group(links, 1);
+  const auto add = [&](
+                     const char* name, const std::vector<hsize_t>& size, hid_t type, const void* of)
+  {
+    const hid_t space = ::H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr);
+    const hid_t dataset =
+      ::H5Dcreate2(file.Get(), name, type, space, links, H5P_DEFAULT, H5P_DEFAULT);
+    EXPECT_GE(::H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, of), 0);
+    ::H5Dclose(dataset);
+    ::H5Sclose(space);
+  };
+  std::vector<std::int16_t> samples(entries * 60);
+  for (std::size_t at = 0; at < samples.size(); ++at)
+  {
+    samples[at] = static_cast<std::int16_t>(at / 60);
+  }
+  add("/VTKHDF/PointData/data", { entries, 3, 4, 5 }, H5T_NATIVE_INT16, samples.data());
+  add("/VTKHDF/Steps/Values", { times.size() }, H5T_NATIVE_DOUBLE, times.data());
+  if (!offsets.empty())
+  {
+    add(
+      "/VTKHDF/Steps/PointDataOffsets/data", { offsets.size() }, H5T_NATIVE_INT64, offsets.data());
+  }
+  ::H5Pclose(links);
+  const hid_t text = ::H5Tcopy(H5T_C_S1);
+  ::H5Tset_size(text, 9);
+  file.AddAttribute("/VTKHDF", "Type", text, 1, "ImageData");
+  ::H5Tclose(text);
+  const int extent[] = { 0, 4, 0, 3, 0, 2 };
+  file.AddAttribute("/VTKHDF", "WholeExtent", H5T_NATIVE_INT, 6, extent);
+}
+
+Result<OpenedVolume> OpenStep(const std::string& path, std::size_t step)
+{
+  VolumeChoice choice;
+  choice.Step = step;
+  return OpenForeignVolume(GetLocalFileSystem(), path, choice);
+}
+
 } // namespace
 
 /// Asked by LeakSanitizer at the end of the process.
@@ -122,6 +168,49 @@ TEST(Hdf5Volume, ImageDataOfVtkhdfIsReadThroughALink)
   }
   Hdf5OnDisk(folder / "master.h5").AddLink("VTKHDF", "a.vtkhdf", "/VTKHDF");
   ExpectVolume(folder / "master.h5");
+}
+
+TEST(Hdf5Volume, TimeStepsOfVtkhdfAreWhereTheirOffsetsSay)
+{
+  const ScratchFolder folder;
+  const std::string path = folder / "a.vtkhdf";
+  const std::vector<double> times = { 0.5, 1, 1.5 };
+  const auto expectSteps = [&](const std::vector<std::int16_t>& entries)
+  {
+    for (std::size_t step = 0; step < entries.size(); ++step)
+    {
+      const auto volume = Require(OpenStep(path, step));
+      EXPECT_EQ(volume.Times, times);
+      const auto slab = Require(volume.Source->Read(volume.Source->GetBox()));
+      EXPECT_EQ(*reinterpret_cast<const std::int16_t*>(slab.Arrays[0].First), entries[step]);
+    }
+  };
+  WriteSteps(path, 2, times, { 1, 0, 1 });
+  expectSteps({ 1, 0, 1 });
+  WriteSteps(path, 3, times, { 2, 1, 0 });
+  expectSteps({ 2, 1, 0 });
+  ExpectWords(
+    OpenStep(path, 3).GetStatus(), { "a.vtkhdf:/VTKHDF", "3 time steps, and none of number 3" });
+  WriteSteps(path, 3, times, {});
+  expectSteps({ 0, 1, 2 });
+  for (const hsize_t entries : { 2, 4 })
+  {
+    WriteSteps(path, entries, times, {});
+    ExpectWords(OpenStep(path, 0).GetStatus(),
+      { "a.vtkhdf:/VTKHDF: cannot be read: Steps/Values has 3 time steps, the point array data "
+        "has " +
+        std::to_string(entries) + ", and no Steps/PointDataOffsets/data" });
+  }
+  WriteSteps(path, 3, times, { 0, 1 });
+  ExpectWords(OpenStep(path, 0).GetStatus(),
+    { "/Steps/PointDataOffsets/data: cannot be read: it has 2 numbers for 3 time steps" });
+  for (const std::int64_t offset : { -1, 3 })
+  {
+    WriteSteps(path, 3, times, { 0, offset, 2 });
+    EXPECT_TRUE(OpenStep(path, 2).IsOk());
+    ExpectWords(OpenStep(path, 1).GetStatus(),
+      { "time step 1 has the number " + std::to_string(offset) + ", the point array has 3" });
+  }
 }
 
 TEST(Hdf5Volume, FilesThatHaveTheSamplesAreNamed)
