@@ -10,6 +10,7 @@
 #include <netcdf.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -323,12 +324,24 @@ Result<std::vector<double>> NetcdfFile::ReadNumbers(const NetcdfVariable& variab
   }
   ISOSURFACE_RETURN_IF_ERROR(
     CheckNetcdfClassicSize(GetLocalFileSystem(), this->Path, variable.Path));
+  const double scale = this->ReadNumber(variable, "scale_factor").value_or(1);
+  const double offset = this->ReadNumber(variable, "add_offset").value_or(0);
   const NetcdfScope scope;
+  nc_type stored = NC_NAT;
+  ::nc_inq_vartype(variable.Group, variable.Variable, &stored);
+  // What the library gives as negative numbers.
+  const double wrap = FindType(stored) == variable.Type
+    ? 0
+    : std::ldexp(1.0, static_cast<int>(8 * GetValueSize(*variable.Type)));
   std::vector<double> numbers(static_cast<std::size_t>(variable.Shape[0]));
   const int code = ::nc_get_var_double(variable.Group, variable.Variable, numbers.data());
   if (code != NC_NOERR)
   {
     return this->MakeError(StatusCode::Corrupt, variable, ::nc_strerror(code));
+  }
+  for (double& number : numbers)
+  {
+    number = (number < 0 ? number + wrap : number) * scale + offset;
   }
   return numbers;
 }

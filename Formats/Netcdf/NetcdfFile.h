@@ -47,7 +47,7 @@ public:
   /// A lone number. `type`, if not null, is set to its type.
   std::optional<double> ReadNumber(
     const NetcdfVariable& variable, const std::string& attribute, ValueType* type = nullptr) const;
-  /// The samples of a variable of one axis.
+  /// The samples of a variable of one axis, unpacked: "_Unsigned", "scale_factor", "add_offset".
   Result<std::vector<double>> ReadNumbers(const NetcdfVariable& variable) const;
 
   /// The samples of a variable with a type. At most `cacheBytes` keep decoded chunks.

@@ -7,6 +7,7 @@
 
 #include <netcdf.h>
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -44,6 +45,45 @@ void WriteCoordinates(const std::string& path, const char* last, int format)
   const double numbers[] = { 1, 2, 3, 4, 5 };
   EXPECT_EQ(::nc_put_var_short(file, data, MakeHdf5Samples().data()), NC_NOERR);
   EXPECT_EQ(::nc_put_var_double(file, line, numbers), NC_NOERR);
+  ASSERT_EQ(::nc_close(file), NC_NOERR);
+}
+
+/// A file of time, z, y and x whose coordinates are integers with a scale and an offset: y with a
+/// negative scale, as GOES-R has it, x unsigned, time with an offset alone.
+void WritePackedCoordinates(const std::string& path, int format)
+{
+  int file = 0;
+  ASSERT_EQ(::nc_create(path.c_str(), NC_CLOBBER | format, &file), NC_NOERR);
+  int axes[4];
+  int data = 0;
+  int x = 0;
+  int y = 0;
+  int time = 0;
+  const char* const names[] = { "time", "z", "y", "x" };
+  const std::size_t sizes[] = { 2, 2, 5, 6 };
+  for (int axis = 0; axis < 4; ++axis)
+  {
+    ::nc_def_dim(file, names[axis], sizes[axis], &axes[axis]);
+  }
+  ::nc_def_var(file, "data", NC_SHORT, 4, axes, &data);
+  ::nc_def_var(file, "time", NC_INT, 1, &axes[0], &time);
+  ::nc_def_var(file, "y", NC_SHORT, 1, &axes[2], &y);
+  ::nc_def_var(file, "x", NC_BYTE, 1, &axes[3], &x);
+  const auto scale = [&](int variable, const char* attribute, double number)
+  { ::nc_put_att_double(file, variable, attribute, NC_DOUBLE, 1, &number); };
+  scale(time, "add_offset", 100);
+  scale(y, "scale_factor", -0.25);
+  scale(y, "add_offset", 8);
+  scale(x, "scale_factor", 0.5);
+  ::nc_put_att_text(file, x, "_Unsigned", 4, "true");
+  ::nc_enddef(file);
+  const int times[] = { 1, 3 };
+  const short rows[] = { -2, 0, 2, 4, 6 };
+  const signed char columns[] = { 126, 127, -128, -127, -126, -125 }; // 126 to 131
+  EXPECT_EQ(::nc_put_var_short(file, data, MakeHdf5Samples().data()), NC_NOERR);
+  EXPECT_EQ(::nc_put_var_int(file, time, times), NC_NOERR);
+  EXPECT_EQ(::nc_put_var_short(file, y, rows), NC_NOERR);
+  EXPECT_EQ(::nc_put_var_schar(file, x, columns), NC_NOERR);
   ASSERT_EQ(::nc_close(file), NC_NOERR);
 }
 
@@ -112,6 +152,21 @@ TEST(NetcdfVolume, CoordinatesAndTimesThatWereCutOffAreAnError)
       std::filesystem::resize_file(path, std::filesystem::file_size(path) - 8);
       ExpectWords(OpenLocal(path).GetStatus(), { "a.nc:" + std::string(line), "truncated" });
     }
+  }
+}
+
+TEST(NetcdfVolume, PackedCoordinatesAndTimesAreUnpacked)
+{
+  const ScratchFolder folder;
+  for (const int format : { 0, NC_64BIT_DATA, NC_NETCDF4 })
+  {
+    WritePackedCoordinates(folder / "a.nc", format);
+    const auto volume = Require(OpenLocal(folder / "a.nc"));
+    EXPECT_EQ(volume.Times, (std::vector<double>{ 101, 103 }));
+    EXPECT_FALSE(volume.Lines);
+    EXPECT_EQ(volume.Grid.Origin, (std::array<double, 3>{ 63, 8.5, 0 }));
+    EXPECT_EQ(volume.Grid.Spacing, (std::array<double, 3>{ 0.5, 0.5, 1 }));
+    EXPECT_EQ(volume.Grid.Direction, (std::array<double, 9>{ 1, 0, 0, 0, -1, 0, 0, 0, 1 }));
   }
 }
 
