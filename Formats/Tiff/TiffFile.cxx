@@ -164,6 +164,13 @@ std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std:
   return std::nullopt;
 }
 
+/// Whether images are of several channels or frames and differ in something else, too. A single axis is
+/// a stack whatever it is called: tifffile calls that of an array channels.
+bool AreSeveralStacks(std::int64_t channels, std::int64_t slices, std::int64_t frames)
+{
+  return (channels > 1 ? 1 : 0) + (slices > 1 ? 1 : 0) + (frames > 1 ? 1 : 0) > 1;
+}
+
 std::string DescribeChannels(std::int64_t channels, std::int64_t frames)
 {
   return " several channels or frames (" + std::to_string(channels) + " channels, " +
@@ -175,7 +182,8 @@ std::optional<std::string> FindFaultOfImageJ(const std::string& text)
 {
   const std::int64_t channels = FindImageJNumber(text, "channels").value_or(1);
   const std::int64_t frames = FindImageJNumber(text, "frames").value_or(1);
-  return text.compare(0, 7, "ImageJ=") == 0 && (channels > 1 || frames > 1)
+  const std::int64_t slices = FindImageJNumber(text, "slices").value_or(1);
+  return text.compare(0, 7, "ImageJ=") == 0 && AreSeveralStacks(channels, slices, frames)
     ? std::optional("ImageJ wrote" + DescribeChannels(channels, frames))
     : std::nullopt;
 }
@@ -279,7 +287,7 @@ std::optional<std::string> FindFaultOfOme(const std::string& text, const std::st
   const std::int64_t channels = FindXmlNumber(text, pixels, "SizeC", 1);
   const std::int64_t frames = FindXmlNumber(text, pixels, "SizeT", 1);
   const std::size_t end = std::min(FindXmlElement(text, "Pixels", pixels + 1), text.size());
-  if ((channels <= 1 && frames <= 1) ||
+  if (!AreSeveralStacks(channels, FindXmlNumber(text, pixels, "SizeZ", 1), frames) ||
     IsOfOneChannel(text, pixels, end, path.substr(path.rfind('/') + 1)))
   {
     return std::nullopt;

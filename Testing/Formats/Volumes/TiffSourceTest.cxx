@@ -344,13 +344,16 @@ TEST(TiffSource, ChannelsAndFramesOfAHyperstackAreNoSlices)
   expectRefused("ImageJ=1.53t\nimages=6\nslices=2\nframes=3\nhyperstack=true\n",
     "ImageJ wrote several channels or frames (1 channels, 3 frames)");
   expectRead("ImageJ=1.53t\nimages=6\nslices=6\nloop=false\n");
-  expectRead("channels=2\n");
+  expectRead("ImageJ=1.53t\nimages=6\nchannels=6\nhyperstack=true\n");
+  expectRead("ImageJ=1.53t\nimages=6\nframes=6\nloop=false\n");
+  expectRead("channels=2\nslices=3\n");
 
   const std::string all = "<TiffData/>";
   expectRefused(MakeOme(R"(SizeC="2" SizeZ="3" SizeT="1")", all),
     "its OME-XML tells of several channels or frames (2 channels, 1 frames)");
-  expectRefused(MakeOme(R"(SizeC="1" SizeZ="1" SizeT="6")", ""),
-    "its OME-XML tells of several channels or frames (1 channels, 6 frames)");
+  expectRefused(MakeOme(R"(SizeC="1" SizeZ="2" SizeT="3")", ""),
+    "its OME-XML tells of several channels or frames (1 channels, 3 frames)");
+  expectRead(MakeOme(R"(SizeC="6" SizeZ="1" SizeT="1")", all));
   expectRead(MakeOme(R"(SizeC="1" SizeZ="6" SizeT="1")", all));
 }
 
