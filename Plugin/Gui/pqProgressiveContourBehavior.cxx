@@ -48,8 +48,6 @@ using isosurface::RefinementReport;
 namespace
 {
 
-const char* const ManagerName = "PROGRESSIVE_CONTOURS";
-
 const pqServerManagerModel* GetModel()
 {
   return pqApplicationCore::instance()->getServerManagerModel();
@@ -180,7 +178,6 @@ void pqProgressiveContourBehavior::OnStartup()
     QObject::connect(
       stack, &pqUndoStack::redone, this, &pqProgressiveContourBehavior::RenderByHand);
   }
-  application->registerManager(ManagerName, this);
   isosurface::CallWithWindow(this, &pqProgressiveContourBehavior::ObserveWindow);
   QCoreApplication::instance()->installEventFilter(this);
 }
@@ -192,18 +189,6 @@ void pqProgressiveContourBehavior::OnShutdown()
   this->Drawing->Stop();
   this->All.clear();
   QCoreApplication::instance()->removeEventFilter(this);
-  pqApplicationCore::instance()->unRegisterManager(ManagerName);
-}
-
-//------------------------------------------------------------------------------
-void pqProgressiveContourBehavior::ShowByHand()
-{
-  QObject* behavior = pqApplicationCore::instance()->manager(ManagerName);
-  if (auto* progressive = qobject_cast<pqProgressiveContourBehavior*>(behavior))
-  {
-    progressive->RenderByHand();
-  }
-  pqApplicationCore::instance()->render();
 }
 
 //------------------------------------------------------------------------------

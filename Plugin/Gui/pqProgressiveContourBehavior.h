@@ -65,9 +65,6 @@ public:
   void OnStartup();
   void OnShutdown();
 
-  /// Shows what a hand has changed in properties, coarse first, in all views.
-  static void ShowByHand();
-
 protected:
   /// Waits for dialogs that save, and notices the hand.
   bool eventFilter(QObject* object, QEvent* event) override;

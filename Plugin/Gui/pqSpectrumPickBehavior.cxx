@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqSpectrumPickBehavior.h"
 
-#include "pqProgressiveContourBehavior.h"
-
 #include "PickedRows.h"
 #include "ValueAxis.h"
 #include "pqSpectrumSource.h"
@@ -260,5 +258,5 @@ void pqSpectrumPickBehavior::SetIsovalues(
     proxy->UpdateVTKObjects();
   }
   END_UNDO_SET();
-  pqProgressiveContourBehavior::ShowByHand();
+  contour->renderAllViews();
 }
