@@ -1,34 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Source/ConvertedSource.h"
 
+#include "Ground/Volume/CutToRange.h"
+
 #include <algorithm>
 #include <cstring>
-#include <limits>
-#include <type_traits>
 #include <utility>
 
 namespace isosurface
 {
 namespace
 {
-
-template <typename To>
-To CutToRange(double value)
-{
-  if constexpr (std::is_floating_point_v<To>)
-  {
-    return static_cast<To>(value);
-  }
-  else
-  {
-    // The maximum of 64 bits is no double: the next one is beyond the type.
-    constexpr auto low = static_cast<double>(std::numeric_limits<To>::min());
-    constexpr auto high = static_cast<double>(std::numeric_limits<To>::max());
-    return value >= high ? std::numeric_limits<To>::max()
-      : value > low      ? static_cast<To>(value)
-                         : std::numeric_limits<To>::min();
-  }
-}
 
 const std::uint8_t* FindSample(const SampleView& view, const Index3& vertex)
 {

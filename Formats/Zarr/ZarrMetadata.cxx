@@ -3,6 +3,7 @@
 
 #include "Formats/Source/ConvertedSource.h"
 #include "Formats/Zarr/JsonField.h"
+#include "Ground/Volume/CutToRange.h"
 
 #include <algorithm>
 #include <cmath>
@@ -178,12 +179,12 @@ private:
         using T = decltype(zero);
         using Limits = std::numeric_limits<T>;
         T value = static_cast<T>(0);
-        // The maximum of 64 bits is no double: who writes it as a float writes the next one.
-        constexpr auto high = static_cast<double>(Limits::max());
-        const bool isInRange = number >= static_cast<double>(Limits::min()) && number <= high;
+        // Who writes the maximum of 64 bits as a float writes the next number.
+        const bool isInRange = number >= static_cast<double>(Limits::min()) &&
+          number <= static_cast<double>(Limits::max());
         if (isFloat || (isInRange && !fill.is_number_integer()))
         {
-          value = !isFloat && number == high ? Limits::max() : static_cast<T>(number);
+          value = CutToRange<T>(number);
         }
         else if (const auto whole = FindWhole<T>(fill))
         {

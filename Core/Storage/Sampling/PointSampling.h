@@ -4,6 +4,7 @@
 
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/CutToRange.h"
 #include "Storage/Sampling/LevelSamples.h"
 #include "Storage/Store/QueryStatistics.h"
 
@@ -12,7 +13,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -65,13 +65,9 @@ Value RoundInterpolated(double value)
 {
   if constexpr (std::is_integral_v<Value>)
   {
-    // The maximum of 64 bits is no double: the next one is beyond the type.
-    constexpr auto low = static_cast<double>(std::numeric_limits<Value>::min());
-    constexpr auto high = static_cast<double>(std::numeric_limits<Value>::max());
+    // Only between samples of 64 bits is a number beyond the samples: the maximum is no double.
     const double rounded = std::round(value);
-    return rounded >= high ? std::numeric_limits<Value>::max()
-      : rounded > low      ? static_cast<Value>(rounded)
-                           : std::numeric_limits<Value>::min();
+    return sizeof(Value) == 8 ? CutToRange<Value>(rounded) : static_cast<Value>(rounded);
   }
   else
   {
