@@ -2,6 +2,7 @@
 #include "Formats/Tiff/TiffFile.h"
 
 #include "Formats/Source/TextFields.h"
+#include "Formats/Tiff/TiffDescription.h"
 #include "Formats/Tiff/TiffHandle.h"
 
 #include <algorithm>
@@ -11,7 +12,6 @@
 #include <iterator>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <type_traits>
 #include <utility>
 
@@ -85,39 +85,24 @@ std::optional<ValueType> FindSampleType(std::uint16_t format, std::uint16_t bits
 template <typename T>
 std::optional<T> ParseSample(const std::string& text)
 {
-  const std::optional<double> number = ParseDouble(text);
-  if constexpr (std::is_floating_point_v<T>)
-  {
-    const std::string word = LowerText(text);
-    const std::string unsignedWord = word.substr(word.find_first_not_of("+-") == 1 ? 1 : 0);
-    if (unsignedWord == "nan")
-    {
-      return std::numeric_limits<T>::quiet_NaN();
-    }
-    if (unsignedWord == "inf")
-    {
-      return word[0] == '-' ? -std::numeric_limits<T>::infinity()
-                            : std::numeric_limits<T>::infinity();
-    }
-    // Rounded to fewer digits, the largest float is a little beyond itself.
-    const double most = std::numeric_limits<T>::max();
-    return number && std::abs(*number) / (1 + 1e-7) <= most
-      ? std::optional(static_cast<T>(std::clamp(*number, -most, most)))
-      : std::nullopt;
-  }
-  else
+  if constexpr (std::is_integral_v<T>)
   {
     T whole = 0;
     const char* const end = text.data() + text.size();
     const auto read = std::from_chars(text.data(), end, whole);
-    if (read.ec == std::errc() && read.ptr == end)
+    return read.ec == std::errc() && read.ptr == end ? std::optional(whole) : std::nullopt;
+  }
+  else
+  {
+    if (LowerText(text) == "nan")
     {
-      return whole;
+      return std::numeric_limits<T>::quiet_NaN();
     }
-    const double least = static_cast<double>(std::numeric_limits<T>::min());
-    return number && *number >= least &&
-        *number < std::ldexp(1.0, std::numeric_limits<T>::digits) && std::trunc(*number) == *number
-      ? std::optional(static_cast<T>(*number)) // such as "255.0"
+    // Rounded to fewer digits, the largest float is a little beyond itself.
+    const double most = std::numeric_limits<T>::max();
+    const std::optional<double> number = ParseDouble(text);
+    return number && std::abs(*number) / (1 + 1e-7) <= most
+      ? std::optional(static_cast<T>(std::clamp(*number, -most, most)))
       : std::nullopt;
   }
 }
@@ -148,151 +133,6 @@ void SwapSamples(std::uint8_t* samples, std::size_t bytes, std::size_t valueSize
   {
     ::TIFFSwabArrayOfLong8(reinterpret_cast<std::uint64_t*>(samples), count);
   }
-}
-
-/// An integer in ImageJ's description, such as "images=2048".
-std::optional<std::int64_t> FindImageJNumber(const std::string& text, const std::string& name)
-{
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);)
-  {
-    if (line.compare(0, name.size() + 1, name + "=") == 0)
-    {
-      return ParseInteger(TrimText(line.substr(name.size() + 1)));
-    }
-  }
-  return std::nullopt;
-}
-
-/// Whether images are of several channels or frames and differ in something else, too. A single axis is
-/// a stack whatever it is called: tifffile calls that of an array channels.
-bool AreSeveralStacks(std::int64_t channels, std::int64_t slices, std::int64_t frames)
-{
-  return (channels > 1 ? 1 : 0) + (slices > 1 ? 1 : 0) + (frames > 1 ? 1 : 0) > 1;
-}
-
-std::string DescribeChannels(std::int64_t channels, std::int64_t frames)
-{
-  return " several channels or frames (" + std::to_string(channels) + " channels, " +
-    std::to_string(frames) + " frames): only one is read; save it as a file of its own";
-}
-
-/// Why an image of ImageJ is no stack of slices; nothing if it is one.
-std::optional<std::string> FindFaultOfImageJ(const std::string& text)
-{
-  const std::int64_t channels = FindImageJNumber(text, "channels").value_or(1);
-  const std::int64_t frames = FindImageJNumber(text, "frames").value_or(1);
-  const std::int64_t slices = FindImageJNumber(text, "slices").value_or(1);
-  return text.compare(0, 7, "ImageJ=") == 0 && AreSeveralStacks(channels, slices, frames)
-    ? std::optional("ImageJ wrote" + DescribeChannels(channels, frames))
-    : std::nullopt;
-}
-
-/// Where the next tag begins, at a place or behind it, that opens an element of this name, with or
-/// without a prefix.
-std::size_t FindXmlElement(const std::string& text, const std::string& name, std::size_t from)
-{
-  for (std::size_t at = text.find(name, from); at != std::string::npos;
-       at = text.find(name, at + name.size()))
-  {
-    const std::size_t end = at + name.size();
-    const std::size_t before =
-      at == 0 ? std::string::npos : text.find_last_of("<>/ \t\r\n", at - 1);
-    if (before != std::string::npos && before >= from && text[before] == '<' &&
-      (before + 1 == at || text[at - 1] == ':') && end < text.size() &&
-      std::string("/> \t\r\n").find(text[end]) != std::string::npos)
-    {
-      return before;
-    }
-  }
-  return std::string::npos;
-}
-
-/// An attribute of the tag that begins at a place; empty if it has none.
-std::string FindXmlAttribute(const std::string& text, std::size_t begin, const std::string& name)
-{
-  const std::string tag = text.substr(begin, text.find_first_of("<>", begin + 1) - begin);
-  const std::string start = name + "=";
-  for (std::size_t at = tag.find(start); at != std::string::npos; at = tag.find(start, at + 1))
-  {
-    const std::size_t quote = at + start.size();
-    if (std::string(" \t\r\n").find(tag[at - 1]) != std::string::npos && quote < tag.size() &&
-      (tag[quote] == '"' || tag[quote] == '\''))
-    {
-      const std::size_t close = tag.find(tag[quote], quote + 1);
-      return close == std::string::npos ? "" : tag.substr(quote + 1, close - quote - 1);
-    }
-  }
-  return "";
-}
-
-std::int64_t FindXmlNumber(
-  const std::string& text, std::size_t tag, const std::string& name, std::int64_t otherwise)
-{
-  return ParseInteger(FindXmlAttribute(text, tag, name)).value_or(otherwise);
-}
-
-/// Whether the elements TiffData of OME-XML say that a file has planes of one channel and frame, as
-/// each file of a set may. `pixels` and `end` are where the image's element begins and ends.
-bool IsOfOneChannel(
-  const std::string& text, std::size_t pixels, std::size_t end, const std::string& fileName)
-{
-  const std::string order = FindXmlAttribute(text, pixels, "DimensionOrder");
-  bool isAlongZ = true; // whether the planes of a slice follow those of the slice before
-  for (const char axis : order.substr(0, order.find('Z')))
-  {
-    const bool isPlane = axis == 'X' || axis == 'Y';
-    isAlongZ =
-      isAlongZ && (isPlane || FindXmlNumber(text, pixels, std::string("Size") + axis, 1) <= 1);
-  }
-  const std::int64_t slices = FindXmlNumber(text, pixels, "SizeZ", 1);
-  std::optional<std::array<std::int64_t, 2>> only;
-  std::size_t uuid = FindXmlElement(text, "UUID", pixels);
-  std::size_t at = FindXmlElement(text, "TiffData", pixels);
-  while (at < end)
-  {
-    const std::size_t next = std::min(FindXmlElement(text, "TiffData", at + 1), end);
-    uuid = uuid < at ? FindXmlElement(text, "UUID", at) : uuid;
-    const std::string name = uuid < next ? FindXmlAttribute(text, uuid, "FileName") : "";
-    if (name.empty() || name == fileName)
-    {
-      const bool isOnePlane = !FindXmlAttribute(text, at, "IFD").empty();
-      const std::int64_t planes = FindXmlNumber(
-        text, at, "PlaneCount", isOnePlane ? 1 : std::numeric_limits<std::int64_t>::max());
-      const std::array<std::int64_t, 2> place = { FindXmlNumber(text, at, "FirstC", 0),
-        FindXmlNumber(text, at, "FirstT", 0) };
-      const std::int64_t first = FindXmlNumber(text, at, "FirstZ", 0);
-      const bool isWithin = first >= 0 && first < slices && planes <= slices - first;
-      if ((planes > 1 && !(isAlongZ && isWithin)) || (only && *only != place))
-      {
-        return false;
-      }
-      only = place;
-    }
-    at = next;
-  }
-  return only.has_value();
-}
-
-/// Why the pages of a file with OME-XML are no stack of slices; nothing if they are one.
-std::optional<std::string> FindFaultOfOme(const std::string& text, const std::string& path)
-{
-  const std::size_t pixels = text.find("openmicroscopy.org/") == std::string::npos
-    ? std::string::npos
-    : FindXmlElement(text, "Pixels", 0);
-  if (pixels == std::string::npos)
-  {
-    return std::nullopt;
-  }
-  const std::int64_t channels = FindXmlNumber(text, pixels, "SizeC", 1);
-  const std::int64_t frames = FindXmlNumber(text, pixels, "SizeT", 1);
-  const std::size_t end = std::min(FindXmlElement(text, "Pixels", pixels + 1), text.size());
-  if (!AreSeveralStacks(channels, FindXmlNumber(text, pixels, "SizeZ", 1), frames) ||
-    IsOfOneChannel(text, pixels, end, path.substr(path.rfind('/') + 1)))
-  {
-    return std::nullopt;
-  }
-  return "its OME-XML tells of" + DescribeChannels(channels, frames);
 }
 
 } // namespace
@@ -491,13 +331,12 @@ Result<std::vector<TiffPage>> TiffFile::FindPages()
   {
     return this->MakeError(StatusCode::Corrupt, "the directory of the next page cannot be read");
   }
-  // One page cannot be of several channels, but may be of one file among those of a set.
-  auto fault = FindFaultOfImageJ(text);
-  fault = fault ? fault : FindFaultOfOme(text, this->Tiff->File->GetPath());
-  if (pages.size() > 1 && fault)
+  const std::string fault =
+    TiffDescription::Parse(text).FindFault(static_cast<std::int64_t>(pages.size()));
+  if (pages.size() > 1 && !fault.empty())
   {
     ISOSURFACE_RETURN_IF_ERROR(this->SelectPage(pages[0]));
-    return this->MakeError(StatusCode::Unsupported, *fault);
+    return this->MakeError(StatusCode::Unsupported, fault);
   }
   auto expanded = pages.size() == 1 ? this->ExpandImageJ(pages[0]) : pages;
   this->Levels = expanded.IsOk() && expanded->size() == pages.size() ? this->Levels : 0;
@@ -514,17 +353,17 @@ std::string TiffFile::FindDescription() const
 
 Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) const
 {
-  const std::string text = this->FindDescription();
-  const std::int64_t images = FindImageJNumber(text, "images").value_or(1);
-  if (text.compare(0, 7, "ImageJ=") != 0 || images <= 1)
+  const TiffDescription description = TiffDescription::Parse(this->FindDescription());
+  const std::int64_t images = description.Images;
+  if (!description.IsOfImageJ || images <= 1)
   {
     return std::vector<TiffPage>{ first };
   }
   const std::uint64_t bytes = static_cast<std::uint64_t>(this->Format.Width) *
     static_cast<std::uint64_t>(this->Format.Height) * GetValueSize(this->Format.Type);
-  if (const auto fault = FindFaultOfImageJ(text))
+  if (const std::string fault = description.FindFault(images); !fault.empty())
   {
-    return this->MakeError(StatusCode::Unsupported, *fault);
+    return this->MakeError(StatusCode::Unsupported, fault);
   }
   const std::uint64_t begin = ::TIFFGetStrileOffset(this->Tiff->Tiff, 0);
   const std::uint64_t size = this->Tiff->File->GetSize();
