@@ -97,7 +97,7 @@ public:
     this->ChooseBySize(scale, largest);
     if (this->Request.Place)
     {
-      this->ChooseByPlace();
+      ISOSURFACE_RETURN_IF_ERROR(this->ChooseByPlace());
     }
     this->CountKept();
     return this->Keep(scale, largest);
@@ -240,12 +240,17 @@ private:
     }
   }
 
-  void ChooseByPlace()
+  Status ChooseByPlace()
   {
-    NearestIsland nearest = FindNearestIsland(this->Extracted, this->Labels, this->Measures,
-      this->AreKept, *this->Request.Place, this->Threads);
+    NearestIsland nearest;
     Message mine;
-    AppendLittleEndian(mine, nearest);
+    ISOSURFACE_RETURN_IF_ERROR(this->Try(
+      [&]
+      {
+        nearest = FindNearestIsland(this->Extracted, this->Labels, this->Measures, this->AreKept,
+          *this->Request.Place, this->Threads);
+        AppendLittleEndian(mine, nearest);
+      }));
     for (const Message& message : this->Ranks.AllGather(mine))
     {
       const auto other = LoadLittleEndian<NearestIsland>(message.data());
@@ -255,6 +260,7 @@ private:
     {
       this->AreKept[island] = this->Measures[island].FirstId == nearest.FirstId ? 1 : 0;
     }
+    return Status::Ok();
   }
 
   void CountKept()
