@@ -99,11 +99,11 @@ void vtkMetabufferRenderView::AboutToRenderOnLocalProcess(bool interactive)
   if (vtkMetabufferPass* pass = this->GetPass())
   {
     pass->SetFrameTimeBudget(hasBudget ? this->FrameTimeBudget : 0);
-  }
-  if (hasBudget)
-  {
-    // Otherwise the stock view would lower the resolution of all ranks as well.
-    this->SynchronizedRenderers->SetImageReductionFactor(1);
+    if (hasBudget && !this->GetUseOrderedCompositing() && !this->GetRenderEmptyImages())
+    {
+      // Viewports are used, and the stock view would lower the resolution of all ranks as well.
+      this->SynchronizedRenderers->SetImageReductionFactor(1);
+    }
   }
   this->Superclass::AboutToRenderOnLocalProcess(interactive);
 }
@@ -134,17 +134,21 @@ void vtkMetabufferRenderView::SetShowViewports(bool show)
 
 void vtkMetabufferRenderView::CaptureZBuffer()
 {
-  vtkMetabufferPass* pass = this->GetPass();
-  if (pass)
+  // Otherwise one process renders, and its depths are there.
+  if (this->GetUseDistributedRenderingForRender())
   {
-    pass->CollectDepthsOn();
+    vtkMetabufferPass* pass = this->GetPass();
+    if (pass)
+    {
+      pass->CollectDepthsOn();
+    }
+    this->StillRender();
+    if (pass)
+    {
+      pass->CollectDepthsOff();
+    }
   }
-  this->StillRender();
   this->Superclass::CaptureZBuffer();
-  if (pass)
-  {
-    pass->CollectDepthsOff();
-  }
 }
 
 void vtkMetabufferRenderView::PrintSelf(ostream& os, vtkIndent indent)
