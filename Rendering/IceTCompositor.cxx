@@ -37,13 +37,17 @@ DisplayLayout GetIceTDisplay()
   return display;
 }
 
+void IceTCompositor::Prepare(const DisplayLayout& display)
+{
+  this->Upsampled.Resize(display.GetExtent());
+}
+
 void IceTCompositor::Composite(const DisplayLayout& display, const Viewport& viewport,
   const ImageView& mine, bool wantsDepths, vtkSynchronizedRenderers::vtkRawImage& colors,
   vtkFloatArray* depths)
 {
   const PixelRectangle extent = display.GetExtent();
   const PixelRectangle pixels = viewport.GetPixels(extent);
-  this->Upsampled.Resize(extent);
   UpsampleBlocks(mine, viewport.Divisor, pixels, this->Upsampled);
   if (wantsDepths)
   {

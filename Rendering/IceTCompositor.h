@@ -26,8 +26,11 @@ DisplayLayout GetIceTDisplay();
 class IceTCompositor
 {
 public:
+  /// Takes the memory of Composite(), 8 bytes a pixel of the display. Not collective.
+  void Prepare(const DisplayLayout& display);
+
   /**
-   * Collective. `viewport` and `mine` are this rank's. Fills `colors` and, if wanted, `depths` with
+   * Collective, after Prepare(). `viewport` and `mine` are this rank's. Fills `colors` and, if wanted, `depths` with
    * the image of this rank's tile; leaves them as they are on ranks without a tile.
    */
   void Composite(const DisplayLayout& display, const Viewport& viewport, const ImageView& mine,

@@ -9,6 +9,7 @@
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSet.h"
 #include "vtkMapper.h"
+#include "vtkMath.h"
 #include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkProperty.h"
@@ -173,6 +174,30 @@ FrameProposal MakeProposal(const vtkRenderState* state, const PixelRectangle& di
   }
   proposal.Triangles = CountCells(state);
   return proposal;
+}
+
+const vtkMapper* FindLastMapper(const vtkRenderState* state)
+{
+  vtkProp** props = state->GetPropArray();
+  vtkProp** end = props + state->GetPropArrayCount();
+  if (std::any_of(props, end,
+        [](vtkProp* prop)
+        { return prop->HasTranslucentPolygonalGeometry() != 0 || prop->IsA("vtkVolume"); }))
+  {
+    return nullptr;
+  }
+  const auto isEmpty = [](vtkProp* prop)
+  {
+    const double* bounds = prop->GetBounds();
+    return bounds && !vtkMath::AreBoundsInitialized(bounds);
+  };
+  // ParaView has an actor for what is selected of a surface, mostly of nothing.
+  while (end != props && isEmpty(*(end - 1)))
+  {
+    --end;
+  }
+  vtkActor* last = end != props ? vtkActor::SafeDownCast(*(end - 1)) : nullptr;
+  return last ? last->GetMapper() : nullptr;
 }
 
 } // namespace isosurface

@@ -10,6 +10,7 @@
 #include <vector>
 
 class vtkCamera;
+class vtkMapper;
 class vtkMatrix4x4;
 class vtkRenderState;
 
@@ -21,8 +22,7 @@ vtkSmartPointer<vtkMatrix4x4> MakeProjection(vtkCamera* camera, const PixelRecta
 
 /**
  * What this rank would draw of a render state: a viewport for each of the divisors, and what they
- * all have in common, triangles and distances from the camera. LastSeconds, Budget and WantsDepths
- * keep their defaults.
+ * all have in common, triangles and distances from the camera. All else keeps its defaults.
  *
  * A viewport covers the bounds of the visible props, lines and points in their full width included.
  * If the bounds of a prop do not tell where it draws, the viewport is the whole display.
@@ -30,6 +30,10 @@ vtkSmartPointer<vtkMatrix4x4> MakeProjection(vtkCamera* camera, const PixelRecta
  */
 FrameProposal MakeProposal(const vtkRenderState* state, const PixelRectangle& display,
   const std::vector<int>& divisors, bool isFullDisplay);
+
+/// The mapper of the actor that is drawn last on this rank; null if there is none, or if that is another
+/// prop, or with translucent props or volumes.
+const vtkMapper* FindLastMapper(const vtkRenderState* state);
 
 } // namespace isosurface
 

@@ -10,6 +10,7 @@
 #include "Ranks/Compositing/ViewportCompositor.h"
 #include "Ranks/Compositing/ViewportOutlines.h"
 #include "SceneProjection.h"
+#include "Surface/Drawing/SharedDepths.h"
 #include "ViewportDrawing.h"
 
 #include "vtkFloatArray.h"
@@ -86,6 +87,11 @@ public:
     return this->Plan.Viewports[static_cast<std::size_t>(this->GetRank(pass))];
   }
 
+  bool UsesDirectSend(const vtkMetabufferPass& pass) const
+  {
+    return pass.CompositeMode == DIRECT_SEND || this->Display.SamplesPerPixel > 1;
+  }
+
   /// Whether all ranks can use viewports. Collective, unless there is no controller.
   static bool IsPossibleOnAll(const vtkMetabufferPass& pass, bool isPossible);
   /// Whether all ranks are ready to draw, with the display and the settings that decide who sends
@@ -93,11 +99,18 @@ public:
   Status AgreeToDraw(const vtkMetabufferPass& pass, bool isReady) const;
   /// Agrees on the viewports of all ranks.
   void PlanFrame(const vtkMetabufferPass& pass, const vtkRenderState* state);
+  /// Whether this rank can share depths in the next frame, of which it would draw the viewport.
+  bool BeginSharing(
+    const vtkMetabufferPass& pass, const vtkRenderState* state, const Viewport& viewport);
   /// Draws this rank's viewport, reads it back, and upsamples it if the pass does. An error of one
   /// rank is one of all.
   Status Draw(const vtkMetabufferPass& pass, const vtkRenderState* state, ImageView& image);
+  /// Draws this rank's viewport, and tells other ranks' depths to the mappers that want them.
+  Status DrawViewport(const vtkMetabufferPass& pass, const vtkRenderState* state);
   /// Brings the image to full resolution if SmoothUpsampling asks for it.
-  Status Upsample(const vtkMetabufferPass& pass, ImageView& image);
+  void Upsample(const vtkMetabufferPass& pass, ImageView& image);
+  /// Takes the memory that merging needs on this rank.
+  void PrepareMerge(const vtkMetabufferPass& pass);
   /// Merges the images of all ranks into the pass' last rendered image. An error of one rank is one
   /// of all.
   Status Merge(vtkMetabufferPass& pass, const ImageView& image);
@@ -120,6 +133,8 @@ private:
   Status MergeByDirectSend(
     vtkMetabufferPass& pass, const std::vector<Viewport>& viewports, const ImageView& image);
 
+  isosurface::SharedDepths Shared; ///< of the last frame for which this rank could
+  bool CanShare = false;           ///< in the last frame
   isosurface::ViewportCompositor DirectSend;
   isosurface::IceTCompositor IceT;
   isosurface::ImageBuffer Smooth; ///< this rank's image, upsampled
@@ -165,6 +180,8 @@ void vtkMetabufferPass::Internals::PlanFrame(
   mine.LastSeconds = this->LastSeconds;
   mine.Budget = pass.FrameTimeBudget;
   mine.WantsDepths = pass.CollectDepths || pass.DisplayDepthResults;
+  mine.WantsSharedDepths = this->Shared.IsWanted();
+  mine.CanShareDepths = this->CanShare = this->BeginSharing(pass, state, mine.Choices.front());
   isosurface::ControllerCommunicator communicator(pass.Controller);
   this->Plan = this->Planner.Plan(communicator, mine, extent);
 }
@@ -174,20 +191,67 @@ Status vtkMetabufferPass::Internals::Draw(
 {
   const Viewport& viewport = this->GetViewport(pass);
   this->DrawnPixels = viewport.Blocks.GetArea();
-  Status drawn = this->Drawing.Draw(state, pass.RenderPass, this->Display.GetExtent(), viewport);
+  Status drawn = this->DrawViewport(pass, state);
   if (drawn.IsOk())
   {
     const double begin = vtkTimerLog::GetUniversalTime();
     image = this->Drawing.Read(state, viewport);
     this->ReadSeconds = vtkTimerLog::GetUniversalTime() - begin;
-    drawn = isosurface::Attempt(
-      "an image cannot be upsampled", [&] { return this->Upsample(pass, image); });
+    drawn = isosurface::Attempt("an image cannot be merged",
+      [&]
+      {
+        this->Upsample(pass, image);
+        this->PrepareMerge(pass);
+        return Status::Ok();
+      });
   }
   isosurface::ControllerCommunicator communicator(pass.Controller);
   return communicator.Agree(drawn);
 }
 
-Status vtkMetabufferPass::Internals::Upsample(const vtkMetabufferPass& pass, ImageView& image)
+bool vtkMetabufferPass::Internals::BeginSharing(
+  const vtkMetabufferPass& pass, const vtkRenderState* state, const Viewport& viewport)
+{
+  const PixelRectangle extent = this->Display.GetExtent();
+  const PixelRectangle& part = viewport.Blocks;
+  return pass.ShareDepths && pass.Controller->GetNumberOfProcesses() > 1 &&
+    isosurface::Attempt("depths cannot be shared",
+      [&]
+      {
+        this->Shared.Begin(extent.Width, extent.Height,
+          { part.X, part.GetRight(), part.Y, part.GetTop() }, isosurface::FindLastMapper(state));
+        return Status::Ok();
+      })
+      .IsOk();
+}
+
+Status vtkMetabufferPass::Internals::DrawViewport(
+  const vtkMetabufferPass& pass, const vtkRenderState* state)
+{
+  isosurface::ControllerCommunicator communicator(pass.Controller);
+  if (this->Plan.SharesDepths)
+  {
+    this->Shared.Connect(
+      [&communicator](std::vector<std::uint64_t>& depths)
+      {
+        return isosurface::RunCollective("depths cannot be shared",
+          [&]
+          {
+            communicator.ReduceMaximum(depths);
+            return Status::Ok();
+          })
+          .IsOk();
+      });
+  }
+  isosurface::SharedDepths::SetCurrent(this->CanShare ? &this->Shared : nullptr);
+  Status drawn =
+    this->Drawing.Draw(state, pass.RenderPass, this->Display.GetExtent(), this->GetViewport(pass));
+  isosurface::SharedDepths::SetCurrent(nullptr);
+  this->Shared.End();
+  return drawn;
+}
+
+void vtkMetabufferPass::Internals::Upsample(const vtkMetabufferPass& pass, ImageView& image)
 {
   const Viewport& drawn = this->GetViewport(pass);
   if (pass.SmoothUpsampling && drawn.Divisor > 1 && !drawn.Blocks.IsEmpty())
@@ -196,7 +260,23 @@ Status vtkMetabufferPass::Internals::Upsample(const vtkMetabufferPass& pass, Ima
       image, drawn.Divisor, drawn.GetPixels(this->Display.GetExtent()), this->Smooth);
     image = this->Smooth.GetView();
   }
-  return Status::Ok();
+}
+
+void vtkMetabufferPass::Internals::PrepareMerge(const vtkMetabufferPass& pass)
+{
+  if (!this->UsesDirectSend(pass))
+  {
+    this->IceT.Prepare(this->Display);
+  }
+  if (const DisplayTile* tile = this->FindTile(pass))
+  {
+    const PixelRectangle pixels = this->Display.CoverWithPixels(tile->Pixels);
+    pass.LastRenderedRGBAColors->Resize(pixels.Width, pixels.Height, 4);
+    if (this->Plan.WantsDepths)
+    {
+      pass.LastRenderedDepths->SetNumberOfTuples(pixels.GetArea());
+    }
+  }
 }
 
 Status vtkMetabufferPass::Internals::Merge(vtkMetabufferPass& pass, const ImageView& image)
@@ -210,7 +290,7 @@ Status vtkMetabufferPass::Internals::Merge(vtkMetabufferPass& pass, const ImageV
       viewport = isosurface::MakeViewport(viewport.GetPixels(extent), 1);
     }
   }
-  if (pass.CompositeMode == DIRECT_SEND || this->Display.SamplesPerPixel > 1)
+  if (this->UsesDirectSend(pass))
   {
     return this->MergeByDirectSend(pass, viewports, image);
   }
@@ -227,12 +307,9 @@ Status vtkMetabufferPass::Internals::MergeByDirectSend(
   isosurface::TileImage shown;
   if (tile)
   {
-    const PixelRectangle pixels = this->Display.CoverWithPixels(tile->Pixels);
-    pass.LastRenderedRGBAColors->Resize(pixels.Width, pixels.Height, 4);
     shown.Colors = GetColors(*pass.LastRenderedRGBAColors);
     if (this->Plan.WantsDepths)
     {
-      pass.LastRenderedDepths->SetNumberOfTuples(pixels.GetArea());
       shown.Depths = pass.LastRenderedDepths->GetPointer(0);
     }
   }
@@ -283,7 +360,8 @@ bool vtkMetabufferPass::CanUseViewports(const vtkRenderState* state)
   }
   return this->Controller && !isOrdered && !this->EnableFloatValuePass &&
     !this->DataReplicatedOnAllProcesses && this->ImageReductionFactor <= 1 &&
-    !this->RenderEmptyImages && !state->GetFrameBuffer() && !state->GetRenderer()->GetSelector();
+    !this->RenderEmptyImages && !state->GetFrameBuffer() && !state->GetRenderer()->GetSelector() &&
+    !state->GetRenderer()->GetUseSSAO();
 }
 
 void vtkMetabufferPass::Render(const vtkRenderState* state)
@@ -517,6 +595,7 @@ void vtkMetabufferPass::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "AntiAliasing: " << this->AntiAliasing << "\n"
      << indent << "SmoothUpsampling: " << this->SmoothUpsampling << "\n"
      << indent << "CollectDepths: " << this->CollectDepths << "\n"
+     << indent << "ShareDepths: " << this->ShareDepths << "\n"
      << indent << "ShowViewports: " << this->ShowViewports << "\n"
      << indent << "ErasesDisplay: " << this->ErasesDisplay << "\n"
      << indent << "Divisors:";

@@ -114,6 +114,17 @@ public:
   ///@}
 
   ///@{
+  /**
+   * Whether ranks tell each other the depths of large opaque surfaces while they draw, so that each
+   * leaves out what is behind others'; see vtkIsosurfaceMapper::SetOcclusionCulling. The image is
+   * the same. Only in full resolution. On by default.
+   */
+  vtkSetMacro(ShareDepths, bool);
+  vtkGetMacro(ShareDepths, bool);
+  vtkBooleanMacro(ShareDepths, bool);
+  ///@}
+
+  ///@{
   /// Whether the ranks' viewports are outlined in the image, each in its own color. Off by default.
   vtkSetMacro(ShowViewports, bool);
   vtkGetMacro(ShowViewports, bool);
@@ -171,6 +182,7 @@ protected:
   bool AntiAliasing = false;
   bool SmoothUpsampling = false;
   bool CollectDepths = true;
+  bool ShareDepths = true;
   bool ShowViewports = false;
   bool ErasesDisplay = false;
 
@@ -180,7 +192,8 @@ private:
 
   /**
    * False with ordered compositing (translucent geometry, volumes), float values, selections, data
-   * on all ranks, image reduction, empty images that are to be rendered, and another framebuffer.
+   * on all ranks, image reduction, empty images that are to be rendered, ambient occlusion, and another
+   * framebuffer.
    */
   bool CanUseViewports(const vtkRenderState* state);
   /// Collective. If the display is too large for viewports, UsedViewports is false, and nothing was

@@ -3,18 +3,22 @@
 
 #include "DrawingBudget.h"
 #include "OpenGLFunctions.h"
+#include "Surface/Drawing/SharedDepths.h"
 
 #include "vtkActor.h"
 #include "vtkInformation.h"
 #include "vtkInformationObjectBaseVectorKey.h"
 #include "vtkLight.h"
 #include "vtkLightCollection.h"
+#include "vtkMapper.h"
 #include "vtkMatrix3x3.h"
 #include "vtkMatrix4x4.h"
 #include "vtkOpenGLCamera.h"
 #include "vtkOpenGLRenderPass.h"
 #include "vtkOpenGLRenderWindow.h"
 #include "vtkOpenGLState.h"
+#include "vtkPlane.h"
+#include "vtkPlaneCollection.h"
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
 #include "vtkShaderProperty.h"
@@ -105,6 +109,24 @@ vtkMTimeType FindChange(vtkRenderer* renderer, vtkActor* actor)
   return std::max(last, lights->GetMTime());
 }
 
+/// Origins and normals. A collection of planes does not tell that one of them has moved.
+std::vector<double> FindClippingPlanes(vtkMapper* mapper)
+{
+  std::vector<double> found;
+  vtkPlaneCollection* planes = mapper->GetClippingPlanes();
+  vtkCollectionSimpleIterator place;
+  if (planes)
+  {
+    planes->InitTraversal(place);
+    while (vtkPlane* plane = planes->GetNextPlane(place))
+    {
+      found.insert(found.end(), plane->GetOrigin(), plane->GetOrigin() + 3);
+      found.insert(found.end(), plane->GetNormal(), plane->GetNormal() + 3);
+    }
+  }
+  return found;
+}
+
 } // namespace
 
 bool OcclusionCulling::IsSoftware()
@@ -144,17 +166,20 @@ bool OcclusionCulling::Conditions::operator==(const Conditions& other) const
 {
   return this->ModelToClip == other.ModelToClip && this->ModelToWorld == other.ModelToWorld &&
     this->Viewport == other.Viewport && this->Changed == other.Changed &&
+    this->Properties == other.Properties && this->ClippingPlanes == other.ClippingPlanes &&
     this->ColorsBefore == other.ColorsBefore && this->DepthsBefore == other.DepthsBefore;
 }
 
 OcclusionCulling::Conditions OcclusionCulling::FindConditions(
-  vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed)
+  vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed) const
 {
   Conditions found;
   found.ModelToClip = FindModelToClip(renderer, actor);
   std::memcpy(found.ModelToWorld.data(), actor->GetMatrix()->GetData(), sizeof(found.ModelToWorld));
   glGetIntegerv(GL_VIEWPORT, found.Viewport.data());
   found.Changed = std::max(changed, FindChange(renderer, actor));
+  found.Properties = { actor->GetProperty(), actor->GetBackfaceProperty() };
+  found.ClippingPlanes = FindClippingPlanes(this->Mapper);
   ReadColors(found.Viewport, found.ColorsBefore);
   ReadDepths(found.Viewport, found.DepthsBefore);
   return found;
@@ -170,15 +195,20 @@ void OcclusionCulling::Take(const TriangleMeasure& measure)
   }
 }
 
-void OcclusionCulling::Draw(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed,
-  vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
+void OcclusionCulling::Draw(vtkRenderer* renderer, vtkActor* actor, vtkMapper* mapper,
+  vtkMTimeType changed, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
 {
-  DrawingBudget* budget = SavedImage::IsPossible() ? DrawingBudget::GetCurrent() : nullptr;
+  // Of stereo images, each would end what is saved of the other.
+  DrawingBudget* budget =
+    SavedImage::IsPossible() && !renderer->GetRenderWindow()->GetStereoRender()
+    ? DrawingBudget::GetCurrent()
+    : nullptr;
   if (budget && !budget->IsFinished())
   {
     return; // the image before this surface is not that of the next time
   }
   this->State = static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow())->GetState();
+  this->Mapper = mapper;
   const bool mayGoOn = !this->Image.IsEmpty();
   Conditions conditions;
   if (budget || mayGoOn)
@@ -243,6 +273,10 @@ void OcclusionCulling::FindNext(vtkOpenGLIndexBufferObject* all, const DrawIndic
   }
   ReadDepths(this->Viewport, this->Depths);
   this->Pyramid.Build(this->Depths, this->Viewport[2], this->Viewport[3]);
+  if (SharedDepths* shared = SharedDepths::GetCurrent())
+  {
+    shared->Share(this->Mapper, this->Pyramid);
+  }
   this->Waiting = this->Runs.FindNext(this->Pyramid);
   this->Now = this->Runs.HasBegunAnew() ? Stage::First : Stage::Further;
   if (this->Waiting.empty() && this->Ties.size() > few)

@@ -18,6 +18,7 @@
 #include <vector>
 
 class vtkActor;
+class vtkMapper;
 class vtkOpenGLState;
 class vtkRenderer;
 
@@ -33,6 +34,8 @@ namespace isosurface
  * depth in a pixel, OpenGL shows the one that is drawn last. So before a later portion is drawn, it is
  * drawn where its depths are those of the image. The pixels that change then are drawn again at the
  * end, in the order of all triangles.
+ *
+ * With SharedDepths it also leaves out what is behind the triangles of other ranks.
  *
  * Within a DrawingBudget it stops when the time is over, and goes on in the next image, where it was, if
  * nothing has changed: the view, what was drawn before the surface, and how it looks.
@@ -51,9 +54,9 @@ public:
   /// Takes another surface. Until its first image, that of the surface before tells what may be hidden.
   void Take(const TriangleMeasure& measure);
 
-  /// Draws the surface, whose triangles and mapper are those of `changed`. `all` has the indices of all proper
-  /// triangles; draw() is called for those of each portion.
-  void Draw(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed,
+  /// Draws the surface of `mapper`, which were changed last at `changed`. `all` has the indices of all
+  /// proper triangles; draw() is called for those of each portion. Collective with SharedDepths.
+  void Draw(vtkRenderer* renderer, vtkActor* actor, vtkMapper* mapper, vtkMTimeType changed,
     vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
 
   /// Whether the next image may go on where the last one stopped.
@@ -86,13 +89,15 @@ private:
     std::array<double, 16> ModelToWorld{};
     std::array<int, 4> Viewport{};
     vtkMTimeType Changed = 0; ///< the surface, its look, or the light
+    std::array<const void*, 2> Properties{};
+    std::vector<double> ClippingPlanes;
     Colors ColorsBefore;      ///< without the surface, as the next
     std::vector<float> DepthsBefore;
 
     bool operator==(const Conditions& other) const;
   };
 
-  static Conditions FindConditions(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed);
+  Conditions FindConditions(vtkRenderer* renderer, vtkActor* actor, vtkMTimeType changed) const;
   void Begin(const std::array<double, 16>& modelToClip);
   /// Finds what is drawn next, when nothing is waiting.
   void FindNext(vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
@@ -108,6 +113,7 @@ private:
   void DrawTies(vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
 
   VisibleRuns Runs;
+  vtkMapper* Mapper = nullptr;    ///< while it is drawn, as State
   std::array<double, 3> Centre{}; ///< of the surface, where drawn coordinates are 0
   vtkNew<vtkOpenGLIndexBufferObject> Some;
   std::size_t Room = 0; ///< bytes in it

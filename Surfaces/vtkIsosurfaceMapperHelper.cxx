@@ -544,7 +544,7 @@ void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor*
   vtkOpenGLIndexBufferObject*& indices = this->Primitives[PrimitiveTris].IBO;
   vtkOpenGLIndexBufferObject* all = indices;
   const vtkMTimeType changed = std::max(this->Parent->GetMTime(), this->VBOBuildTime.GetMTime());
-  this->Culling->Draw(renderer, actor, changed, all,
+  this->Culling->Draw(renderer, actor, this->Parent, changed, all,
     [&](vtkOpenGLIndexBufferObject* some)
     {
       indices = some;

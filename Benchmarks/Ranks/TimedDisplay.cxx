@@ -89,7 +89,8 @@ TimedDisplay::TimedDisplay(
   this->Window->AddRenderer(this->Renderer);
   this->Windows->SetRenderWindow(this->Window);
   this->Windows->SetParallelController(controller);
-  this->Windows->SetIdentifier(isStock ? 1 : 2);
+  static unsigned int identifier = 0;
+  this->Windows->SetIdentifier(++identifier);
   this->Pass->SetController(isApart ? controller : nullptr);
   this->Renderers->SetRenderPass(this->Pass);
   this->Renderers->SetRenderer(this->Renderer);
@@ -139,6 +140,7 @@ void TimedDisplay::SetUpPass(const Way& way)
     pass->SetCompositeMode(way.CompositeMode);
     this->SetDivisors(way);
     pass->SetFrameTimeBudget(way.Budget);
+    pass->SetShareDepths(way.SharesDepths);
     pass->CollectDepthsOff();
   }
 }

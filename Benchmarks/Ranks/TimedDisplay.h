@@ -26,6 +26,7 @@ struct Way
   int CompositeMode = -1; ///< of vtkMetabufferPass; -1: stock
   int Divisor = 1;
   bool HasBackground = false; ///< the divisor is that of the farther half of the ranks only
+  bool SharesDepths = true;   ///< ranks tell each other of hidden triangles
   double Budget = 0;          ///< seconds of a frame; 0: none
   double SquaredError = 0;    ///< of colors, to the image of full resolution
   double RenderSeconds = 0;

@@ -9,8 +9,8 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkPlane
 from vtkmodules.vtkFiltersSources import vtkSphereSource
-from vtkmodules.vtkRenderingCore import (vtkActor, vtkHardwareSelector, vtkPolyDataMapper, vtkRenderer,
-                                         vtkRenderWindow)
+from vtkmodules.vtkRenderingCore import (vtkActor, vtkHardwareSelector, vtkPolyDataMapper, vtkProperty,
+                                         vtkRenderer, vtkRenderWindow)
 
 from scalable_isosurface import vtkIsosurfaceMapper, vtkStabbingContour
 
@@ -57,6 +57,8 @@ class Window:
         self.mapper.ScalarVisibilityOff()
         self.actor = vtkActor()
         self.actor.SetMapper(self.mapper)
+        self.older = vtkProperty()
+        self.older.SetColor(0.9, 0.8, 0.1)
         self.renderer = vtkRenderer()
         self.renderer.AddActor(self.actor)
         self.window = vtkRenderWindow()
@@ -270,6 +272,9 @@ class Drawing(unittest.TestCase):
             lambda window: window.mapper.SetInputDataObject(make_surface(0.15)),
             lambda window: window.window.SetSize(310, 290),
             dim,
+            self.add_plane,
+            lambda window: window.plane.SetOrigin(0, 5, 0),
+            lambda window: window.actor.SetProperty(window.older),
         ]
         for change in changes:
             self.assertFalse(self.some.draw_portion())
@@ -279,6 +284,21 @@ class Drawing(unittest.TestCase):
             self.some.draw_in_portions()
             self.change(change)
             self.check(1)
+
+    def add_plane(self, window):
+        window.plane = vtkPlane()
+        window.plane.SetNormal(0, 1, 0)
+        window.mapper.AddClippingPlane(window.plane)
+
+    def test_stereo_images_in_portions_come_to_an_end(self):
+        def show_both_eyes(window):
+            window.window.StereoRenderOn()
+            window.window.SetStereoTypeToAnaglyph()
+        self.change(show_both_eyes)
+        self.check(1)
+        self.change(self.turn)
+        self.assertLess(self.some.draw_in_portions(), 20)
+        self.check(1)
 
     def test_buffers_of_a_large_surface_are_written_in_portions(self):
         sphere = vtkSphereSource()

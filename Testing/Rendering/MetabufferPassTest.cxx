@@ -191,6 +191,15 @@ TEST(MetabufferPass, WhereViewportsCannotBeUsedTheImageIsTheStockOne)
   ours.GetPass()->SetRenderEmptyImages(false);
   ExpectSame(ours.Render(), stock.Render(), "viewports again");
   EXPECT_TRUE(ours.GetPass()->GetUsedViewports());
+  // Ambient occlusion draws an image of the window's size, whatever the viewport's resolution.
+  for (RankWindow* window : { &stock, &ours })
+  {
+    window->GetRenderer()->UseSSAOOn();
+    window->GetRenderer()->SetSSAORadius(0.2);
+  }
+  ours.GetPass()->AntiAliasingOn();
+  ExpectSame(ours.Render(), stock.Render(), "ambient occlusion");
+  EXPECT_FALSE(ours.GetPass()->GetUsedViewports());
 }
 
 TEST(MetabufferPass, RanksThatDifferEndTheFrameWithAnErrorAndTheNextOneWorks)

@@ -11,6 +11,10 @@ namespace isosurface
 namespace
 {
 
+constexpr std::int32_t WantsDepthsFlag = 1;
+constexpr std::int32_t CanShareFlag = 2;
+constexpr std::int32_t WantsSharedFlag = 4;
+
 // The distance of a viewport's center from the display's center, relative to that of the corners.
 double GetOffset(const Viewport& viewport, const PixelRectangle& display)
 {
@@ -58,7 +62,7 @@ std::vector<RankWork> CountWork(
 //   offset  size  content
 //        0     8  triangles
 //        8    32  near distance, far distance, seconds of the last frame, budget: f64 each
-//       40     4  1 if depths are wanted, else 0
+//       40     4  sum of 1 if depths are wanted, 2 if they can be shared, 4 if that is wanted
 //       44     4  number of choices, n
 //       48  20 n  choices: divisor, x, y, width and height in blocks, i32 each
 Message FrameProposal::Pack() const
@@ -70,7 +74,9 @@ Message FrameProposal::Pack() const
   {
     AppendLittleEndian(bytes, value);
   }
-  AppendLittleEndian(bytes, std::int32_t{ this->WantsDepths ? 1 : 0 });
+  AppendLittleEndian(bytes,
+    static_cast<std::int32_t>((this->WantsDepths ? WantsDepthsFlag : 0) |
+      (this->CanShareDepths ? CanShareFlag : 0) | (this->WantsSharedDepths ? WantsSharedFlag : 0)));
   AppendLittleEndian(bytes, static_cast<std::int32_t>(this->Choices.size()));
   for (const Viewport& choice : this->Choices)
   {
@@ -92,7 +98,10 @@ FrameProposal FrameProposal::Unpack(const Message& bytes)
   proposal.FarDistance = reader.Read<double>();
   proposal.LastSeconds = reader.Read<double>();
   proposal.Budget = reader.Read<double>();
-  proposal.WantsDepths = reader.Read<std::int32_t>() != 0;
+  const auto flags = reader.Read<std::int32_t>();
+  proposal.WantsDepths = (flags & WantsDepthsFlag) != 0;
+  proposal.CanShareDepths = (flags & CanShareFlag) != 0;
+  proposal.WantsSharedDepths = (flags & WantsSharedFlag) != 0;
   const auto count = std::clamp<std::int32_t>(
     reader.Read<std::int32_t>(), 1, static_cast<std::int32_t>(NumberOfResolutions));
   for (std::int32_t choice = 0; choice < count; ++choice)
@@ -127,10 +136,13 @@ FramePlan FramePlanner::Plan(
   FramePlan plan;
   std::vector<FrameProposal> proposals;
   bool haveChoices = true;
+  bool canShare = true;
   for (const Message& message : communicator.AllGather(mine.Pack()))
   {
     proposals.push_back(FrameProposal::Unpack(message));
     plan.WantsDepths = plan.WantsDepths || proposals.back().WantsDepths;
+    plan.SharesDepths = plan.SharesDepths || proposals.back().WantsSharedDepths;
+    canShare = canShare && proposals.back().CanShareDepths;
     haveChoices = haveChoices && proposals.back().Choices.size() == NumberOfResolutions;
   }
   this->Learn(proposals);
@@ -150,7 +162,9 @@ FramePlan FramePlanner::Plan(
   for (const Viewport& viewport : plan.Viewports)
   {
     this->LastDivisors.push_back(viewport.Divisor);
+    canShare = canShare && viewport.Divisor == 1;
   }
+  plan.SharesDepths = plan.SharesDepths && canShare;
   return plan;
 }
 

@@ -23,6 +23,8 @@ struct FrameProposal
   double LastSeconds = 0;  ///< what the last frame took; 0 if nothing is to be learned from it
   double Budget = 0;       ///< seconds for this frame; counts if there are several Choices
   bool WantsDepths = false;
+  bool CanShareDepths = false; ///< while ranks draw, to leave out what is behind others' triangles
+  bool WantsSharedDepths = false; ///< whether this rank would leave out something
 
   Message Pack() const;
   /// Reads what Pack() wrote; zeros where bytes are missing.
@@ -34,6 +36,8 @@ struct FramePlan
 {
   std::vector<Viewport> Viewports; ///< by rank
   bool WantsDepths = false;        ///< whether some rank does
+  /// Whether some rank wants shared depths, all can, and all draw in full resolution.
+  bool SharesDepths = false;
 };
 
 /**

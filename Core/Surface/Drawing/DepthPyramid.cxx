@@ -10,8 +10,6 @@ namespace isosurface
 namespace
 {
 
-/// The side of a square of the finest level, in pixels.
-constexpr int FinestSide = 4;
 /// A box is compared with at most so many squares on an axis.
 constexpr int MostSquares = 8;
 
@@ -26,7 +24,7 @@ void DepthPyramid::Build(const std::vector<float>& depths, int width, int height
 {
   this->Width = width;
   this->Height = height;
-  this->Levels.assign(1, { DivideUp(width, FinestSide), DivideUp(height, FinestSide), {} });
+  this->Levels.assign(1, { CountSquares(width), CountSquares(height), {} });
   Level& finest = this->Levels.front();
   finest.Farthest.assign(
     static_cast<std::size_t>(finest.Width) * static_cast<std::size_t>(finest.Height), 0.0F);
@@ -35,12 +33,26 @@ void DepthPyramid::Build(const std::vector<float>& depths, int width, int height
     const float* row =
       depths.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
     float* squares = finest.Farthest.data() +
-      static_cast<std::size_t>(y / FinestSide) * static_cast<std::size_t>(finest.Width);
+      static_cast<std::size_t>(y / SquareSide) * static_cast<std::size_t>(finest.Width);
     for (int x = 0; x < width; ++x)
     {
-      squares[x / FinestSide] = std::max(squares[x / FinestSide], row[x]);
+      squares[x / SquareSide] = std::max(squares[x / SquareSide], row[x]);
     }
   }
+  this->AddCoarserLevels();
+}
+
+void DepthPyramid::BringNearer(const std::vector<float>& squares)
+{
+  std::vector<float>& finest = this->Levels.front().Farthest;
+  std::transform(finest.begin(), finest.end(), squares.begin(), finest.begin(),
+    [](float mine, float told) { return std::min(mine, told); });
+  this->Levels.resize(1);
+  this->AddCoarserLevels();
+}
+
+void DepthPyramid::AddCoarserLevels()
+{
   while (this->Levels.back().Width > 1 || this->Levels.back().Height > 1)
   {
     this->AddCoarserLevel();
@@ -82,7 +94,7 @@ bool DepthPyramid::IsBehind(const ProjectedBox& box) const
     return true;
   }
   std::size_t level = 0;
-  int side = FinestSide;
+  int side = SquareSide;
   while (
     std::max(right - left, top - bottom) > MostSquares * side && level + 1 < this->Levels.size())
   {

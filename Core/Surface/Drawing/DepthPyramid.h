@@ -21,6 +21,17 @@ public:
   /// Takes depths from 0 (near) to 1 (far), row by row from the bottom. Cost: a visit to each.
   void Build(const std::vector<float>& depths, int width, int height);
 
+  /// The smallest squares, of which ranks tell each other (SharedDepths), row by row from the bottom.
+  static constexpr int SquareSide = 4;
+  static int CountSquares(int pixels) { return (pixels + SquareSide - 1) / SquareSide; }
+  const std::vector<float>& GetSquares() const { return this->Levels.front().Farthest; }
+  bool HasSize(int width, int height) const
+  {
+    return this->Width == width && this->Height == height;
+  }
+  /// Makes no square farther than it is told here, one number for each.
+  void BringNearer(const std::vector<float>& squares);
+
   /// Whether all pixels of the box that are in the image are nearer than the box. False if that is
   /// not certain: squares of pixels are looked at as a whole. True if none is in the image. False of
   /// all boxes before there is an image.
@@ -34,6 +45,7 @@ private:
     std::vector<float> Farthest;
   };
 
+  void AddCoarserLevels();
   void AddCoarserLevel();
 
   int Width = 0;

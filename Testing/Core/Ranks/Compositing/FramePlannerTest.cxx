@@ -47,6 +47,8 @@ TEST(FramePlanner, AProposalArrivesAsItWasSent)
   sent.Triangles = std::int64_t{ 1 } << 40;
   sent.LastSeconds = 0.125;
   sent.WantsDepths = true;
+  sent.CanShareDepths = true;
+  sent.WantsSharedDepths = true;
   const FrameProposal received = FrameProposal::Unpack(sent.Pack());
   EXPECT_EQ(received.Choices, sent.Choices);
   EXPECT_EQ(received.Triangles, sent.Triangles);
@@ -55,6 +57,9 @@ TEST(FramePlanner, AProposalArrivesAsItWasSent)
   EXPECT_EQ(received.LastSeconds, sent.LastSeconds);
   EXPECT_EQ(received.Budget, sent.Budget);
   EXPECT_EQ(received.WantsDepths, sent.WantsDepths);
+  EXPECT_EQ(received.CanShareDepths, sent.CanShareDepths);
+  EXPECT_EQ(received.WantsSharedDepths, sent.WantsSharedDepths);
+  EXPECT_FALSE(FrameProposal::Unpack(FrameProposal().Pack()).CanShareDepths);
 }
 
 TEST(FramePlanner, WithoutABudgetTheViewportsAreThoseProposed)
@@ -84,6 +89,37 @@ TEST(FramePlanner, DepthsAreCollectedIfOneRankWantsThem)
       mine.WantsDepths = communicator.GetRank() == 1;
       EXPECT_TRUE(FramePlanner().Plan(communicator, mine, PlannedDisplay).WantsDepths);
     });
+}
+
+TEST(FramePlanner, DepthsAreSharedIfARankWantsThemAndAllCanInFullResolution)
+{
+  const auto isShared = [](const std::vector<int>& divisors, int wants, int cannot)
+  {
+    bool all = true;
+    bool some = false;
+    ThreadCommunicator::Run(Ranks,
+      [&](Communicator& communicator)
+      {
+        const int rank = communicator.GetRank();
+        FrameProposal proposal = MakeProposalOf(rank, { divisors[static_cast<std::size_t>(rank)] });
+        proposal.WantsSharedDepths = rank == wants;
+        proposal.CanShareDepths = rank != cannot;
+        const bool mine = FramePlanner().Plan(communicator, proposal, PlannedDisplay).SharesDepths;
+        std::vector<std::uint64_t> votes = { mine ? 1U : 0U };
+        communicator.ReduceSum(votes);
+        if (rank == 0)
+        {
+          some = votes[0] > 0;
+          all = votes[0] == Ranks;
+        }
+      });
+    EXPECT_EQ(some, all) << "ranks differ";
+    return all;
+  };
+  EXPECT_TRUE(isShared({ 1, 1, 1 }, 1, -1));
+  EXPECT_FALSE(isShared({ 1, 1, 1 }, -1, -1)) << "nobody wants them";
+  EXPECT_FALSE(isShared({ 1, 1, 1 }, 1, 0)) << "one rank cannot";
+  EXPECT_FALSE(isShared({ 1, 2, 1 }, 1, -1)) << "one rank draws coarser";
 }
 
 TEST(FramePlanner, FramesThatTakeTooLongGetCoarserOnAllRanks)
