@@ -115,7 +115,10 @@ class Surface:
         points = vtkPoints()
         points.SetData(numpy_to_vtk(self.points))
         cells = vtkCellArray()
-        cells.SetData(3, numpy_to_vtk(self.triangles.reshape(-1)))
+        corners = self.triangles.reshape(-1)
+        cells.SetData(3, numpy_to_vtk(corners))
+        # The cells may have another array of this memory (VTK 9.2), which does not keep it alive.
+        cells.GetConnectivityArray()._corners = corners
         surface = vtkPolyData()
         surface.SetPoints(points)
         surface.SetPolys(cells)

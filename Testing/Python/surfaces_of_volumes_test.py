@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Surfaces of scalable_isosurface.open beside those of VTK's filters, and of edge-index files."""
 
+import gc
 import os
 import pickle
 import sys
@@ -115,6 +116,20 @@ class BesideVTK(unittest.TestCase):
         self.assertEqual(isovalues.tolist(), [30.5] * surface.point_offsets[1] + [60] * len(surface.part(1).points))
         del surface
         self.assertEqual(get_arrays(data)[0].tolist(), points.tolist())
+
+    def test_what_vtk_has_outlives_the_surface(self):
+        volume = si.create(numpy.tile(self.samples, (3, 3, 3)), os.path.join(self.folder.name, "large.bvol"))
+        for convert in (si.Surface.to_vtk, *([si.Surface.to_pyvista] if pyvista else [])):
+            surface = volume.isosurface(30.5)
+            copies = surface.points.copy(), surface.triangles.copy(), surface.normals.copy()
+            self.assertGreater(surface.triangles.nbytes, 2**20)
+            data = convert(surface)
+            del surface
+            gc.collect()
+            others = [volume.isosurface(isovalue) for isovalue in (30, 31, 32)]  # into what was freed
+            for copy, theirs in zip(copies, get_arrays(data)):
+                numpy.testing.assert_array_equal(theirs, copy)
+            del others
 
     @unittest.skipUnless(pyvista, "there is no PyVista")
     def test_pyvista_takes_a_surface(self):
