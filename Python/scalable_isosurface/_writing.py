@@ -72,7 +72,8 @@ def create(
         An array of the shape (z, y, x), or (z, y, x, components): of NumPy, Zarr, h5py or Dask, a `Volume`, or
         anything that has ``shape``, ``dtype`` and slices. It is read box by box, some of them more than once.
         A mapping of names to such arrays of one shape is a volume of several arrays. The name of a file stands
-        for all of its arrays and time steps (see `open`); with several steps it cannot be `path` itself.
+        for all of its arrays and time steps (see `open`); with several steps it cannot be `path` itself, nor
+        a file whose index is `path`.
     path : str or path
         Of the volume, ``NAME.bvol``. One that is there is replaced when the new one, or its first time step,
         is complete; the others are appended one by one.
@@ -147,7 +148,7 @@ def _write_file(
         file = volume._opened.file
         if time is not None and volume.steps > 1:
             raise ValueError(f"time: {volume.path} has {volume.steps} time steps")
-        if volume.steps > 1 and os.path.exists(path) and os.path.samefile(volume.path, path):
+        if volume.steps > 1 and _is_file_of(volume, path):
             # Its first time step would replace all of it.
             raise ValueError(f"{path}: is its own source, and has several time steps; write another file")
         for step in range(volume.steps):
@@ -186,6 +187,12 @@ def _write_arrays(
     writing = place.make_writing(path, description)
     writing.set(**settings._asdict(), time=time, append=append)
     writing.write_arrays(arrays, _find_chunk(first))
+
+
+def _is_file_of(volume: Volume, path: str) -> bool:
+    """Whether a volume, or the index by which it was opened, is the file at a path."""
+    opened = volume._opened.file.path  # "run.h5:/data" of another format, which is no blocked volume
+    return os.path.exists(opened) and os.path.exists(path) and os.path.samefile(opened, path)
 
 
 def _list_three(what: str, numbers: Any) -> List[float]:

@@ -106,6 +106,26 @@ class Writing(VolumeTest):
         numpy.testing.assert_array_equal(si.open(self.path("a.bvol"), 1)[...], make_samples("int8", seed=1))
 
     @unittest.skipUnless(h5py, "there is no h5py")
+    def test_datasets_of_several_steps_replace_what_is_there(self):
+        samples = make_samples("int8", (2, *SHAPE))
+        with h5py.File(self.path("run.h5"), "w") as file:
+            file["data"] = samples
+        for _ in range(2):
+            volume = si.create(self.path("run.h5:/data"), self.path("out.bvol"), axes="tzyx")
+            numpy.testing.assert_array_equal(volume.at(0)[...], samples[0])
+            self.assertEqual(volume.steps, 2)
+
+    @unittest.skipUnless(h5py, "there is no h5py")
+    def test_an_index_of_several_steps_is_not_replaced_by_its_first_one(self):
+        samples = make_samples("int8", (2, *SHAPE))
+        with h5py.File(self.path("run.h5"), "w") as file:
+            file["data"] = samples
+        index = si.index(self.path("run.h5:/data"), axes="tzyx")._opened.file.path
+        with self.assertRaisesRegex(ValueError, "run.h5-data.bvol: is its own source"):
+            si.create(self.path("run.h5:/data"), index, axes="tzyx")
+        numpy.testing.assert_array_equal(si.open(self.path("run.h5:/data"), 1, axes="tzyx")[...], samples[1])
+
+    @unittest.skipUnless(h5py, "there is no h5py")
     def test_a_rectilinear_grid_lies_where_its_coordinates_are(self):
         with h5py.File(self.path("lined.nc"), "w") as file:
             for name, size in (("x", 6), ("y", 5), ("z", 4)):
