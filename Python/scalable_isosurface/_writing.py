@@ -73,7 +73,7 @@ def create(
         anything that has ``shape``, ``dtype`` and slices. It is read box by box, some of them more than once.
         A mapping of names to such arrays of one shape is a volume of several arrays. The name of a file stands
         for all of its arrays and time steps (see `open`); with several steps it cannot be `path` itself, nor
-        a file whose index is `path`.
+        a file whose index is `path`. Nor can a `Volume` of such a file, or of one that has other arrays.
     path : str or path
         Of the volume, ``NAME.bvol``. One that is there is replaced when the new one, or its first time step,
         is complete; the others are appended one by one.
@@ -85,7 +85,7 @@ def create(
     name : str, optional
         Of the array, if there is one. If it is not given, that of the `Volume`, or "scalars".
     time : float, optional
-        Of the time step.
+        Of the time step. If it is not given, that of the file or the `Volume`.
     append : bool
         Whether to append a time step to the volume that is there, which must have the same grid, arrays and
         settings, and earlier times.
@@ -176,12 +176,18 @@ def _write_arrays(
         arrays = [_describe(source, name or (source.name if isinstance(source, Volume) else "scalars"))]
     if not arrays:
         raise ValueError("there is no array")
+    volumes = [array for _, array, _, _ in arrays if isinstance(array, Volume)]
+    for volume in volumes:
+        is_whole = volume.steps == 1 and {other.name for other in volumes}.issuperset(volume.arrays)
+        if not append and not is_whole and _is_file_of(volume, path):
+            raise ValueError(f"{path}: is its own source, and has other time steps or arrays; write another file")
     first = arrays[0][1]
     if any(array.shape[:3] != first.shape[:3] for _, array, _, _ in arrays):
         raise ValueError("the arrays have not the same shape")
     dimensions = first.shape[2::-1]
     if isinstance(first, Volume):
         description: Tuple[Any, ...] = first._description
+        time = first.times[first._step] if time is None else time
     else:
         description = (dimensions, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), _IDENTITY, None, None)
     writing = place.make_writing(path, description)

@@ -95,7 +95,7 @@ class Writing(VolumeTest):
         self.assertEqual((again.times, again.spacing), ((0, 1, 2), (3, 2, 1)))
         numpy.testing.assert_array_equal(again.at(1)[...], make_samples("int8", seed=1))
         coarse = si.create(again.level(1), self.path("coarse.bvol"))
-        self.assertEqual(coarse.spacing, (6, 4, 2))
+        self.assertEqual((coarse.spacing, coarse.times), ((6, 4, 2), (2,)))
         numpy.testing.assert_array_equal(coarse[...], make_samples("int8", seed=2)[::2, ::2, ::2])
 
     def test_a_file_of_several_steps_is_not_replaced_by_its_first_one(self):
@@ -104,6 +104,26 @@ class Writing(VolumeTest):
         with self.assertRaisesRegex(ValueError, "a.bvol: is its own source"):
             si.create(self.path("a.bvol"), self.path("a.bvol"), compression="zstd")
         numpy.testing.assert_array_equal(si.open(self.path("a.bvol"), 1)[...], make_samples("int8", seed=1))
+
+    def test_a_file_is_not_replaced_by_one_step_or_array_of_it(self):
+        for number in range(2):
+            si.create(make_samples("int8", seed=number), self.path("a.bvol"), time=number, append=number > 0)
+        arrays = {"density": make_samples("int8"), "speed": make_samples("float32")}
+        volume = si.create(arrays, self.path("b.bvol"))
+        for name, source in (
+            ("a.bvol", si.open(self.path("a.bvol"), 1)),
+            ("b.bvol", volume),
+            ("b.bvol", {"density": volume["density"], "other": make_samples("int8")}),
+        ):
+            with self.assertRaisesRegex(ValueError, f"{name}: is its own source"):
+                si.create(source, self.path(name))
+        numpy.testing.assert_array_equal(si.open(self.path("a.bvol"), 0)[...], make_samples("int8", seed=0))
+        again = si.create({name: volume[name] for name in arrays}, self.path("b.bvol"), compression="zstd")
+        for name, samples in arrays.items():
+            numpy.testing.assert_array_equal(again[name][...], samples)
+        longer = si.create(si.open(self.path("a.bvol")), self.path("a.bvol"), time=2, append=True)
+        self.assertEqual(longer.times, (0, 1, 2))
+        numpy.testing.assert_array_equal(longer[...], make_samples("int8", seed=0))
 
     @unittest.skipUnless(h5py, "there is no h5py")
     def test_datasets_of_several_steps_replace_what_is_there(self):
