@@ -31,8 +31,9 @@ public:
   /// The names of the arrays on the points, normals left out.
   std::vector<std::string> GetAttributes() const;
 
-  /// The surface of the isovalues with these numbers, or of all. Normals are those of the file; if
-  /// it has none, those of the triangles. A preview has no attributes.
+  /// The surface of the isovalues with these numbers, in this order; of all if there are none.
+  /// Normals are those of the file; if it has none, those of the triangles. A preview has no
+  /// attributes.
   Result<Surface> Read(const std::vector<std::size_t>& isovalues, bool preview, bool normals,
     int threads, const Progress& progress) const;
 

@@ -7,10 +7,9 @@ import os
 import warnings
 from typing import Any, Optional, Tuple
 
-import numpy
-
 from . import _core
 from ._surface import Surface
+from ._volume import list_isovalues
 
 
 class EdgeIndex:
@@ -70,7 +69,7 @@ class EdgeIndex:
         Parameters
         ----------
         isovalue : float or sequence of float, optional
-            Some of `isovalues`; all if it is not given.
+            Some of `isovalues`, in the order that the surface is to have; all if it is not given.
         preview : bool
             The coarse surface, if the file has one (`has_preview`), without attributes.
         normals : bool
@@ -79,12 +78,12 @@ class EdgeIndex:
         Raises
         ------
         ValueError
-            The file has no surface of the isovalue, or no preview.
+            The file has no surface of the isovalue, or no preview; or the sequence is empty.
         OSError
             The file cannot be read, or is damaged; the message names it.
         """
         numbers = []
-        for wanted in [] if isovalue is None else numpy.ravel(isovalue).tolist():
+        for wanted in [] if isovalue is None else list_isovalues(isovalue):
             if wanted not in self.isovalues:
                 raise ValueError(f"{self.path}: has no surface of {wanted:g}, but of {self.isovalues}")
             numbers.append(self.isovalues.index(wanted))

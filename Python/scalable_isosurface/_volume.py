@@ -345,7 +345,7 @@ class Volume:
                 self._find_component(component),
                 self._step,
                 self._level if level is None else self._find_level(level),
-                _list_isovalues(isovalue),
+                list_isovalues(isovalue),
                 _check_region(region),
                 normals,
                 [self._find_array(name) for name in attributes],
@@ -382,7 +382,7 @@ class Volume:
             self._find_component(component),
             self._step,
             self._level,
-            _list_isovalues(isovalue),
+            list_isovalues(isovalue),
             _check_region(region),
         )
 
@@ -453,7 +453,7 @@ def _reopen(
     return open_volume(path, step, axes, index_folder, threads).array(name).level(level)
 
 
-def _list_isovalues(isovalue: Any) -> Sequence[float]:
+def list_isovalues(isovalue: Any) -> Sequence[float]:
     isovalues = numpy.ravel(numpy.asarray(isovalue, float))
     if not len(isovalues):
         raise ValueError("there is no isovalue")

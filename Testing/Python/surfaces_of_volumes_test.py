@@ -182,6 +182,13 @@ class BesideVTK(unittest.TestCase):
         self.assertEqual((alone.isovalues.tolist(), alone.normals), ([60], None))
         numpy.testing.assert_array_equal(alone.points, whole.part(1).points)
         self.assertRaisesRegex(ValueError, "waves.eix: has no surface of 61", file.isosurface, 61)
+        for source in (file, self.volume):
+            turned = source.isosurface([60, 30.5, 60])
+            self.assertEqual(turned.isovalues.tolist(), [60, 30.5, 60])
+            for number, part in enumerate((1, 0, 1)):
+                numpy.testing.assert_array_equal(turned.part(number).points, whole.part(part).points)
+                numpy.testing.assert_array_equal(turned.part(number).triangles, whole.part(part).triangles)
+            self.assertRaisesRegex(ValueError, "there is no isovalue", source.isosurface, [])
         self.assertTrue(file.has_preview)
         self.assertLess(len(file.isosurface(preview=True).points), len(whole.points) / 2)
 

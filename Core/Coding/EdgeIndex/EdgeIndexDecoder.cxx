@@ -342,11 +342,12 @@ Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
       records[record->Block.Isovalue].push_back(*record);
     }
   }
-  std::vector<std::unique_ptr<BlockSource>> sources;
+  std::vector<IsovalueSource> sources;
   sources.reserve(records.size());
   for (std::vector<EdgeIndexRecord>& blocks : records)
   {
-    sources.push_back(std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)));
+    sources.push_back(
+      { sources.size(), std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)) });
   }
   return JoinIsovalues(*header, sources, request, threads, progress);
 }

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <new>
+#include <numeric>
 #include <utility>
 
 namespace isosurface
@@ -323,17 +324,18 @@ Result<Surface> EdgeIndexFile::ReadWithinMemory(const EdgeIndexSelection& select
   {
     blocks[this->Entries[entry].Block.Isovalue].push_back(entry);
   }
-  std::vector<std::unique_ptr<BlockSource>> sources(blocks.size());
-  for (std::size_t isovalue = 0; isovalue < sources.size(); ++isovalue)
+  std::vector<std::size_t> isovalues = selection.Isovalues;
+  if (isovalues.empty())
   {
-    const bool wanted = selection.Isovalues.empty() ||
-      std::find(selection.Isovalues.begin(), selection.Isovalues.end(), isovalue) !=
-        selection.Isovalues.end();
-    if (wanted)
-    {
-      sources[isovalue] =
-        std::make_unique<FileBlockSource>(*this, header, std::move(blocks[isovalue]));
-    }
+    isovalues.resize(blocks.size());
+    std::iota(isovalues.begin(), isovalues.end(), std::size_t{ 0 });
+  }
+  std::vector<IsovalueSource> sources;
+  sources.reserve(isovalues.size());
+  for (const std::size_t isovalue : isovalues)
+  {
+    sources.push_back(
+      { isovalue, std::make_unique<FileBlockSource>(*this, header, blocks[isovalue]) });
   }
   return JoinIsovalues(header, sources, request, threads, progress);
 }

@@ -27,7 +27,7 @@ struct EdgeIndexSelection
   /// Only blocks that have cells in this box of vertices of the (fine) grid; if the box is flat,
   /// one vertex thick, blocks that it touches.
   std::optional<VertexBox> Box;
-  /// Indices of EdgeIndexHeader::Isovalues; empty for all of them.
+  /// Indices of EdgeIndexHeader::Isovalues, in the order of the surface's parts; empty for all of them.
   std::vector<std::size_t> Isovalues;
   /// One of so many pieces of what is selected so far, with about equal numbers of points.
   int Piece = 0;

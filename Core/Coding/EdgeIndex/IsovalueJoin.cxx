@@ -140,8 +140,8 @@ void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
 } // namespace
 
 Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
-  const std::vector<std::unique_ptr<BlockSource>>& sources, const ContourRequest& request,
-  int threads, const Progress& progress)
+  const std::vector<IsovalueSource>& sources, const ContourRequest& request, int threads,
+  const Progress& progress)
 {
   const bool hasNormals = std::any_of(header.Attributes.begin(), header.Attributes.end(),
     [](const EdgeIndexAttribute& attribute) { return attribute.IsNormals; });
@@ -157,13 +157,10 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
       "have.");
   }
   Surface surface;
-  const auto isovalues = static_cast<double>(sources.size());
-  for (std::size_t isovalue = 0; isovalue < sources.size(); ++isovalue)
+  const auto count = static_cast<double>(sources.size());
+  for (std::size_t n = 0; n < sources.size(); ++n)
   {
-    if (!sources[isovalue])
-    {
-      continue;
-    }
+    const std::size_t isovalue = sources[n].Isovalue;
     ContourRequest one = request;
     one.Isovalues.assign(1, header.Isovalues[isovalue]);
     one.Normals = false;
@@ -171,10 +168,10 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
     Progress part;
     if (progress)
     {
-      part = [&progress, isovalue, isovalues](double share)
-      { return progress((static_cast<double>(isovalue) + share) / isovalues); };
+      part = [&progress, n, count](double share)
+      { return progress((static_cast<double>(n) + share) / count); };
     }
-    Result<Surface> next = ExtractSurface(header.Geometry, *sources[isovalue], one, threads, part);
+    Result<Surface> next = ExtractSurface(header.Geometry, *sources[n].Blocks, one, threads, part);
     if (!next.IsOk())
     {
       // Blocks at impossible places come from corrupt bytes.

@@ -8,25 +8,32 @@
 #include "Ground/Volume/BlockSource.h"
 #include "Surface/Contour/Surface.h"
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
 namespace isosurface
 {
 
+/// The decoded blocks of an isovalue.
+struct IsovalueSource
+{
+  std::size_t Isovalue = 0; ///< index of EdgeIndexHeader::Isovalues
+  std::unique_ptr<BlockSource> Blocks;
+};
+
 /**
- * Extracts the surface of decoded blocks: each isovalue from its own source, joined as ExtractSurface
- * joins isovalues. sources: one for each isovalue of the header, null for those to leave out. The
- * request's isovalues and attributes are ignored: the surface has all attributes of the header. If
- * the request asks for normals, they must be among these (else InvalidArgument), since decoded samples
- * have no gradients.
+ * Extracts the surface of decoded blocks: each isovalue from its own source, joined in the order of
+ * the sources as ExtractSurface joins isovalues. The request's isovalues and attributes are ignored:
+ * the surface has all attributes of the header. If the request asks for normals, they must be among
+ * these (else InvalidArgument), since decoded samples have no gradients.
  *
  * Errors: Corrupt (blocks that do not fit together), InvalidArgument, OutOfMemory, Aborted, what
  * Acquire returns.
  */
 Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
-  const std::vector<std::unique_ptr<BlockSource>>& sources, const ContourRequest& request,
-  int threads, const Progress& progress);
+  const std::vector<IsovalueSource>& sources, const ContourRequest& request, int threads,
+  const Progress& progress);
 
 } // namespace isosurface
 

@@ -154,10 +154,10 @@ Status PackBlocks(const EdgeIndexHeader& header, BlockSource& source, int thread
 Result<Surface> UnpackBlocks(const EdgeIndexHeader& header, const ContourRequest& request,
   ArrivingBlocks& blocks, int threads, const Progress& progress)
 {
-  std::vector<std::unique_ptr<BlockSource>> sources;
+  std::vector<IsovalueSource> sources;
   for (std::size_t isovalue = 0; isovalue < header.Isovalues.size(); ++isovalue)
   {
-    sources.push_back(std::make_unique<ArrivingRecords>(header, blocks, isovalue));
+    sources.push_back({ isovalue, std::make_unique<ArrivingRecords>(header, blocks, isovalue) });
   }
   return JoinIsovalues(header, sources, request, threads, progress);
 }

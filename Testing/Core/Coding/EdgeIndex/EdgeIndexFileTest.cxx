@@ -103,6 +103,34 @@ TEST(EdgeIndexFile, HoldsTheExtractedSurfaceAndItsProvenance)
   }
 }
 
+TEST(EdgeIndexFile, PartsAreInTheOrderInWhichTheirIsovaluesAreAskedFor)
+{
+  const auto volume = MakeWaves<std::int16_t>({ 70, 40, 30 }, 0.1);
+  MemoryDisk disk;
+  WriteFile(disk, MakeFileHeader(volume, { 100.5, 4000, -3000 }), volume, 16);
+  const auto file = OpenFile(disk);
+  EdgeIndexSelection selection;
+  selection.Isovalues = { 2, 0, 2 };
+  TestBlockSource<std::int16_t> source(volume, 16);
+  const ContourRequest request = MakeRequest({ -3000, 100.5, -3000 });
+  const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
+  const auto read = Require(file->Read(selection, request, 2));
+  ASSERT_EQ(read.Parts.size(), 3u);
+  for (std::size_t n = 0; n < 3; ++n)
+  {
+    EXPECT_EQ(read.Parts[n].Isovalue, expected->Parts[n].Isovalue);
+    EXPECT_EQ(read.Parts[n].FirstPoint, expected->Parts[n].FirstPoint);
+    EXPECT_EQ(read.Parts[n].FirstCell, expected->Parts[n].FirstCell);
+  }
+  ASSERT_EQ(read.NumberOfPoints, expected->NumberOfPoints);
+  EXPECT_TRUE(std::equal(read.Points.begin(), read.Points.end(), expected->Points.begin()));
+  ASSERT_EQ(read.Connectivity.GetSize(), expected->Connectivity.GetSize());
+  for (std::size_t n = 0; n < read.Connectivity.GetSize(); ++n)
+  {
+    ASSERT_EQ(read.Connectivity[n], expected->Connectivity[n]);
+  }
+}
+
 TEST(EdgeIndexFile, ThreadsDoNotChangeTheBytes)
 {
   const auto volume = MakeWaves<float>({ 60, 50, 40 }, 0.1);
