@@ -10,6 +10,7 @@
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -230,14 +231,19 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
   const std::lock_guard<std::mutex> lock(this->BlocksMutex);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));
   stepThere = 0;
-  std::shared_ptr<BlockedVolume>& kept = this->Blocks[timeStep];
-  if (!kept)
+  if (const auto kept = this->Blocks.find(timeStep); kept != this->Blocks.end())
   {
-    auto made = this->MakeBlocks(timeStep, progress);
-    ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
-    kept = std::move(*made);
+    return kept->second;
   }
-  return kept;
+  for (auto other = this->Blocks.begin(); other != this->Blocks.end();)
+  {
+    const bool isUsed = other->second.use_count() > 1; // it becomes so only under the lock
+    other = isUsed ? std::next(other) : this->Blocks.erase(other);
+  }
+  auto made = this->MakeBlocks(timeStep, progress);
+  ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
+  this->Blocks[timeStep] = *made;
+  return made;
 }
 
 Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(

@@ -28,8 +28,9 @@ public:
   /// One thread reads at a time. Memory: 64 MiB, or what the file has to decode at once.
   Status Read(const SampleRequest& request, void* samples, const Progress& progress) override;
   Result<std::unique_ptr<BoxSource>> OpenSource(std::size_t timeStep, int threads) override;
-  /// Reads all samples of the time step into blocks in memory, at the first call; they stay there.
-  /// OutOfMemory if they take more than a third of the free memory.
+  /// Reads all samples of the time step into blocks in memory, unless they are there. They stay until
+  /// those of another time step are read and nobody uses them. OutOfMemory if they take more than a
+  /// third of the free memory.
   Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
 

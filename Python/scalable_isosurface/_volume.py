@@ -301,8 +301,9 @@ class Volume:
     ) -> Surface:
         """Extracts isosurfaces: triangles and points are those of vtkFlyingEdges3D.
 
-        Only blocks that the surface crosses are read. A file of another format without an index is read
-        into memory first, in blocks, which stay there until the volume is closed.
+        Only blocks that the surface crosses are read. Of a file of another format without an index, the time
+        step is read into memory first, in blocks, which stay there until another step is, or the volume is
+        closed.
 
         Parameters
         ----------

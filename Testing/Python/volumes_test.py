@@ -178,6 +178,22 @@ class Files(VolumeTest):
         with self.assertRaisesRegex(OSError, "v.h5"):
             si.open(self.path("v.h5:/a/c"))
 
+    @unittest.skipUnless(h5py, "there is no h5py")
+    def test_a_loop_over_steps_without_an_index_keeps_one_step_in_memory(self):
+        shape = (200, 200, 200)
+        with h5py.File(self.path("v.h5"), "w") as file:
+            data = file.create_dataset("v", (10, *shape), "u1", chunks=(1, 20, 200, 200))
+            for step in range(len(data)):
+                data[step] = make_samples("uint8", shape, step)
+        volume = si.open(self.path("v.h5:/v"), axes="tzyx")
+        resident = []
+        for step in range(volume.steps):
+            self.assertEqual(len(volume.at(step).isosurface(1000).triangles), 0)
+            with open("/proc/self/statm") as file:
+                resident.append(int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
+        self.assertLess(resident[-1] - resident[1], 4 * volume.nbytes)
+        self.assertGreater(len(volume.at(0).active_blocks(100)), 300)  # read once more
+
     def test_an_index_is_made_once_and_then_used(self):
         samples = make_waves()
         write_nrrd(self.path("waves.nrrd"), samples)
