@@ -435,8 +435,9 @@ class Volume:
         )
 
     def __reduce__(self) -> Any:
-        path, *how = self._opened.how
-        return _reopen, (os.path.abspath(path), *how, self.name, self._step, self._level)
+        path, axes, folder, threads = self._opened.how
+        how = os.path.abspath(path), axes, folder and os.path.abspath(folder), threads
+        return _reopen, (*how, self.name, self._step, self._level)
 
 
 def open_volume(

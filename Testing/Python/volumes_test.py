@@ -3,6 +3,7 @@
 
 import concurrent.futures
 import os
+import pickle
 import random
 import shutil
 import signal
@@ -220,6 +221,14 @@ class Files(VolumeTest):
         elsewhere = si.index(self.path("waves.nrrd"), index_folder=self.path("indices"))
         self.assertGreater(elsewhere.levels, 3)
         self.assertEqual(si.open(self.path("waves.nrrd"), index_folder=self.path("indices")).levels, elsewhere.levels)
+
+    def test_a_pickled_volume_finds_its_index_from_another_folder(self):
+        write_nrrd(self.path("waves.nrrd"), make_waves())
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(self.folder)
+        pickled = pickle.dumps(si.index("waves.nrrd", index_folder="indices").level(2))
+        os.chdir("/")
+        self.assertEqual(pickle.loads(pickled).shape, (10, 13, 18))
 
     def test_a_file_that_is_rewritten_while_it_is_open_is_an_error(self):
         samples = make_waves()
