@@ -233,7 +233,7 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index)
 
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress,
-  SampleCollector* collector, FinishedLayers* finished)
+  SampleCollector* collector, FinishedLayers* finished, int threads)
 {
   BlockedVolumeWriter writer(ranks, files);
   std::string leftOut;
@@ -260,6 +260,7 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
     opened->Settings.Publish = step + 1 == steps;
+    opened->Settings.Threads = threads;
     const Progress tell = [&](double share) {
       return !progress ||
         progress((static_cast<double>(step) + share) / static_cast<double>(steps));

@@ -77,12 +77,12 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
  * error or stop, an older index stays as it was; what was written of this one is kept, too, and the
  * next call goes on there if the source is the same (BlockedVolumeSettings::JournalSeconds).
  * `collector`, if there is one, sees what is read of the first time step. `finished`, which all ranks
- * have or none, is told which blocks of it are finished, unless it is a copy. Cost and errors: as
- * BlockedVolumeWriter.
+ * have or none, is told which blocks of it are finished, unless it is a copy. `threads`:
+ * BlockedVolumeSettings::Threads. Cost and errors: as BlockedVolumeWriter.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},
-  SampleCollector* collector = nullptr, FinishedLayers* finished = nullptr);
+  SampleCollector* collector = nullptr, FinishedLayers* finished = nullptr, int threads = 0);
 
 } // namespace isosurface
 

@@ -65,9 +65,11 @@ std::shared_ptr<VolumeFile> OpenStored(const std::string& path)
   return RunWithoutGil(path, [&](const Progress&) { return StoredVolume::Open(path); });
 }
 
-std::shared_ptr<VolumeFile> OpenInPlace(const std::string& path, const std::string& axes)
+std::shared_ptr<VolumeFile> OpenInPlace(
+  const std::string& path, const std::string& axes, int threads)
 {
-  return RunWithoutGil(path, [&](const Progress&) { return SourceVolume::Open(path, axes); });
+  return RunWithoutGil(
+    path, [&](const Progress&) { return SourceVolume::Open(path, axes, threads); });
 }
 
 /// The path of the index of a source, if there is one of the source as it is now.
@@ -83,7 +85,7 @@ std::optional<std::string> FindIndex(
 
 /// Writes the index of a source, and returns its path.
 std::string WriteIndex(const std::string& path, const std::string& axes, const std::string& folder,
-  std::uint64_t memoryBytes)
+  std::uint64_t memoryBytes, int threads)
 {
   return RunWithoutGil(path,
     [&](const Progress& progress) -> Result<std::string>
@@ -96,7 +98,8 @@ std::string WriteIndex(const std::string& path, const std::string& axes, const s
       {
         SerialCommunicator alone;
         ISOSURFACE_RETURN_IF_ERROR(
-          WriteSourceIndex(alone, files, index, memoryBytes, progress).GetStatus());
+          WriteSourceIndex(alone, files, index, memoryBytes, progress, nullptr, nullptr, threads)
+            .GetStatus());
       }
       return index.Path;
     });
@@ -355,10 +358,10 @@ PYBIND11_MODULE(_core, module)
   module.attr("VALUE_TYPES") = ListValueTypes();
   module.def("find_kind", &FindKind, "name"_a);
   module.def("open_stored", &OpenStored, "path"_a);
-  module.def("open_source", &OpenInPlace, "path"_a, "axes"_a);
+  module.def("open_source", &OpenInPlace, "path"_a, "axes"_a, "threads"_a);
   module.def("open_surface", &OpenSurface, "path"_a);
   module.def("find_index", &FindIndex, "path"_a, "axes"_a, "folder"_a);
-  module.def("write_index", &WriteIndex, "path"_a, "axes"_a, "folder"_a, "memory"_a);
+  module.def("write_index", &WriteIndex, "path"_a, "axes"_a, "folder"_a, "memory"_a, "threads"_a);
 
   py::class_<VolumeFile, std::shared_ptr<VolumeFile>>(module, "VolumeFile")
     .def_property_readonly("path", &VolumeFile::GetPath)

@@ -93,11 +93,13 @@ std::int64_t FindEndOfSlab(
 
 } // namespace
 
-Result<std::shared_ptr<SourceVolume>> SourceVolume::Open(const std::string& path, std::string axes)
+Result<std::shared_ptr<SourceVolume>> SourceVolume::Open(
+  const std::string& path, std::string axes, int threads)
 {
   std::shared_ptr<SourceVolume> volume(new SourceVolume);
   volume->Path = path;
   volume->Axes = std::move(axes);
+  volume->Threads = threads;
   auto opened = volume->OpenStep(0);
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   volume->Grid = opened->Grid;
@@ -269,6 +271,7 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   settings.Distribution = DistributionMethod::Slab;
   settings.Lines = this->Lines;
   settings.Time = this->Times[timeStep];
+  settings.Threads = this->Threads;
   const auto written =
     BlockedVolumeWriter(alone, memory->Files)
       .Write(path, this->Grid, this->Arrays, *opened->Source, settings, progress);

@@ -17,8 +17,10 @@ namespace isosurface
 class SourceVolume : public VolumeFile
 {
 public:
-  /// The first time step is opened at once. Errors and cost: OpenForeignVolume.
-  static Result<std::shared_ptr<SourceVolume>> Open(const std::string& path, std::string axes);
+  /// The first time step is opened at once. `threads`: of GetBlocks, as
+  /// BlockedVolumeSettings::Threads. Errors and cost: OpenForeignVolume.
+  static Result<std::shared_ptr<SourceVolume>> Open(
+    const std::string& path, std::string axes, int threads);
 
   const std::string& GetPath() const override { return this->Path; }
   const std::vector<ArrayDescription>& GetArrays() const override { return this->Arrays; }
@@ -47,6 +49,7 @@ private:
 
   std::string Path;
   std::string Axes;
+  int Threads = 0;
   GridGeometry Grid;
   std::optional<GridLines> Lines;
   std::vector<ArrayDescription> Arrays;

@@ -87,7 +87,7 @@ def index(
     Parameters
     ----------
     path, axes, index_folder, threads
-        As for `open`.
+        As for `open`. A few more threads read ahead and write.
 
     Raises
     ------
@@ -102,5 +102,5 @@ def index(
     name = os.fspath(path)
     folder = os.fspath(index_folder)
     _core.find_kind(name)  # says so if there is no such file
-    _core.write_index(name, axes, folder, MEMORY)
+    _core.write_index(name, axes, folder, MEMORY, threads or 0)
     return open_volume(name, 0, axes, folder, threads)

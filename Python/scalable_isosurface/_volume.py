@@ -41,7 +41,7 @@ class _Opened:
             self._file: Optional[_core.VolumeFile] = _core.open_stored(path)
         else:
             index = _core.find_index(path, axes, index_folder)
-            self._file = _core.open_stored(index) if index else _core.open_source(path, axes)
+            self._file = _core.open_stored(index) if index else _core.open_source(path, axes, self.threads)
 
     @property
     def file(self) -> _core.VolumeFile:

@@ -230,6 +230,29 @@ class Files(VolumeTest):
         os.chdir("/")
         self.assertEqual(pickle.loads(pickled).shape, (10, 13, 18))
 
+    def test_as_many_threads_as_are_wanted_index_a_file_and_read_it_into_memory(self):
+        write_nrrd(self.path("noise.nrrd"), make_samples("float32", (160, 160, 160)))
+
+        def count_threads(work):
+            """The most threads that the process has meanwhile, besides those that it has now."""
+            before = len(os.listdir("/proc/self/task"))
+            most = 0
+            with concurrent.futures.ThreadPoolExecutor(1) as pool:
+                done = pool.submit(work)
+                while not done.done():
+                    most = max(most, len(os.listdir("/proc/self/task")))
+            return most - before
+
+        # One core, so one thread if none are wanted; two or three others read ahead and write.
+        self.addCleanup(os.sched_setaffinity, 0, os.sched_getaffinity(0))
+        os.sched_setaffinity(0, list(os.sched_getaffinity(0))[:1])
+        volume = si.open(self.path("noise.nrrd"), threads=9)
+        for work in (
+            lambda: si.index(self.path("noise.nrrd"), index_folder=self.folder, threads=9),
+            lambda: volume.isosurface(1e9),
+        ):
+            self.assertGreaterEqual(count_threads(work), 9)
+
     def test_a_file_that_is_rewritten_while_it_is_open_is_an_error(self):
         samples = make_waves()
         for has_index in (False, True):
