@@ -252,7 +252,7 @@ py::dict MakeIsosurface(VolumeFile& file, std::size_t array, int component, std:
   {
     names.push_back(file.GetArrays()[attribute].Name);
   }
-  return MakeSurfaceArrays(std::move(surface), names);
+  return MakeSurfaceArrays(std::move(surface), normals, names);
 }
 
 //------------------------------------------------------------------------------
@@ -270,7 +270,7 @@ py::dict ReadSurface(const SurfaceFile& file, const std::vector<std::size_t>& is
     [&](const Progress& progress)
     { return file.Read(isovalues, preview, normals, CountThreads(threads), progress); });
   return MakeSurfaceArrays(
-    std::move(surface), preview ? std::vector<std::string>() : file.GetAttributes());
+    std::move(surface), normals, preview ? std::vector<std::string>() : file.GetAttributes());
 }
 
 //------------------------------------------------------------------------------

@@ -12,7 +12,8 @@ pybind11::dtype MakeDtype(ValueType type)
   return pybind11::dtype(GetValueTypeName(type));
 }
 
-pybind11::dict MakeSurfaceArrays(Surface surface, const std::vector<std::string>& attributes)
+pybind11::dict MakeSurfaceArrays(
+  Surface surface, bool normals, const std::vector<std::string>& attributes)
 {
   using Size = pybind11::ssize_t;
   const auto points = static_cast<Size>(surface.NumberOfPoints);
@@ -33,7 +34,7 @@ pybind11::dict MakeSurfaceArrays(Surface surface, const std::vector<std::string>
   pybind11::dict arrays;
   const auto float32 = pybind11::dtype::of<float>();
   arrays["normals"] = pybind11::none();
-  if (!surface.Normals.IsEmpty())
+  if (normals)
   {
     arrays["normals"] = AdoptBuffer(surface.Normals, float32, { points, 3 });
   }

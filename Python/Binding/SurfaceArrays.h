@@ -32,8 +32,9 @@ pybind11::array AdoptBuffer(
 }
 
 /// What Python's Surface is made of, by the names of its arguments. The arrays take over the memory
-/// of the surface. `attributes`: the names of its attributes.
-pybind11::dict MakeSurfaceArrays(Surface surface, const std::vector<std::string>& attributes);
+/// of the surface. `normals`: whether it has them. `attributes`: the names of its attributes.
+pybind11::dict MakeSurfaceArrays(
+  Surface surface, bool normals, const std::vector<std::string>& attributes);
 
 } // namespace isosurface
 

@@ -20,7 +20,8 @@ class Surface:
     triangles : ndarray of int32 or int64, shape (triangles, 3)
         Numbers of points, counter-clockwise seen from low values. int64 if int32 does not suffice.
     normals : ndarray of float32, shape (points, 3), or None
-        Of unit length, from high to low values; (0, 0, 0) where there is no gradient.
+        Of unit length, from high to low values; (0, 0, 0) where there is no gradient. None if they were not
+        asked for.
     isovalues : ndarray of float64
         In the order in which they were asked for.
     point_offsets, triangle_offsets : ndarray of int64, shape (isovalues + 1,)

@@ -192,6 +192,17 @@ class BesideVTK(unittest.TestCase):
         self.assertTrue(file.has_preview)
         self.assertLess(len(file.isosurface(preview=True).points), len(whole.points) / 2)
 
+        contour = self.make_contour([1000])
+        writer.SetInputConnection(contour.GetOutputPort())
+        writer.SetFileName(os.path.join(self.folder.name, "empty.eix"))
+        self.assertTrue(writer.Write())
+        for source in (si.open(writer.GetFileName()), self.volume):
+            empty = source.isosurface(1000)
+            self.assertEqual((empty.normals.shape, empty.normals.dtype), ((0, 3), numpy.float32))
+            self.assertIsNone(source.isosurface(1000, normals=False).normals)
+            data = empty.to_vtk()
+            self.assertEqual((data.GetNumberOfPolys(), data.GetPointData().GetNormals().GetNumberOfTuples()), (0, 0))
+
         size = os.path.getsize(path)
         os.truncate(path, size // 2)
         with warnings.catch_warnings(record=True) as caught:

@@ -120,6 +120,12 @@ class Surfaces(VolumeTest):
         self.assertRaises(TypeError, self.volume.isosurface)
         self.assertEqual(len(self.volume.isosurface(float("nan")).triangles), 0)
 
+    def test_normals_of_no_points_are_an_empty_array(self):
+        surface = self.volume.isosurface(99)
+        for array in (surface.points, surface.normals, surface.part(0).normals):
+            self.assertEqual((array.shape, array.dtype), ((0, 3), numpy.float32))
+        self.assertIsNone(self.volume.isosurface(99, normals=False).normals)
+
     def test_many_threads_extract_at_once(self):
         expected = {isovalue: self.volume.isosurface(isovalue).points for isovalue in (0.1, 0.2, 0.3, 0.4)}
         with concurrent.futures.ThreadPoolExecutor(4) as pool:
