@@ -243,14 +243,14 @@ Status ImageContour::ExtractJoined(
   std::size_t blocks = 0;
   for (std::size_t grid = 0; grid < query.Pieces.Grids.size(); ++grid)
   {
+    const std::optional<GridLines>& lines = query.Pieces.Lines[grid];
     const PieceBlockSelection selection = { query.Request.Isovalues, query.Choice.Region,
-      JoinedBlockSize, query.Request.Normals };
+      lines ? &*lines : nullptr, JoinedBlockSize, query.Request.Normals };
     const auto source = PieceBlockSource::Make(
       ranks, query.Pieces.Grids[grid], std::move(ofGrids[grid]), selection, query.Choice.Threads);
     ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
     ContourRequest request = query.Request;
-    const std::optional<GridLines>& lines = query.Pieces.Lines[grid];
-    request.Lines = lines ? &*lines : nullptr;
+    request.Lines = selection.Lines;
     auto extracted =
       ExtractSurface(query.Pieces.Grids[grid], **source, request, query.Choice.Threads, progress);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(extracted.GetStatus()));

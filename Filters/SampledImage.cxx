@@ -306,6 +306,8 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
 {
   vtkInformation* outInfo = output->GetInformationObject(0);
   vtkDataObject::GetData(outInfo)->Initialize();
+  // The reader of a file series tells filters of the first file alone, which TellImage goes by.
+  const bool isRectilinear = vtkRectilinearGrid::SafeDownCast(vtkDataObject::GetData(outInfo));
   const VolumeInput input(inInfo);
   ControllerCommunicator ranks(controller);
   const std::uint64_t source = SumSource(input, properties);
@@ -327,6 +329,12 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
       const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
       const auto planned = plan(volume, arrays, this->IsCoarse);
       ISOSURFACE_RETURN_IF_ERROR(planned.GetStatus());
+      if (planned->Lines.has_value() != isRectilinear)
+      {
+        return Status(StatusCode::Unsupported,
+          volume.GetPath() + ": its grid is " + (isRectilinear ? "regular" : "rectilinear") +
+            ", that of the file before in this series is not; open it by itself");
+      }
       // Coarse images may have been allowed, or not any longer, since the pipeline was told.
       TellGrid(planned->Grid, outInfo);
       this->Text = Describe(*planned, input);

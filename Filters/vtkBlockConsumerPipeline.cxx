@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkBlockConsumerPipeline.h"
 
+#include "VolumeInput.h"
+#include "vtkBlockedVolumeHandle.h"
 #include "vtkDistributeIsosurface.h"
 
+#include "vtkAlgorithm.h"
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
 
@@ -19,7 +22,24 @@ int vtkBlockConsumerPipeline::ForwardUpstream(vtkInformation* request)
   const auto* filter = vtkDistributeIsosurface::SafeDownCast(this->Algorithm);
   const bool isAboutData = request->Has(REQUEST_DATA()) || request->Has(REQUEST_UPDATE_EXTENT()) ||
     request->Has(REQUEST_UPDATE_TIME());
-  return isAboutData && filter && filter->TakesBlocks()
-    ? 1
-    : this->Superclass::ForwardUpstream(request);
+  if (isAboutData && filter && filter->TakesBlocks())
+  {
+    return 1;
+  }
+  const int isDone = this->Superclass::ForwardUpstream(request);
+  if (!isDone && isAboutData)
+  {
+    // The filter will not be executed, so it takes nothing.
+    for (int port = 0; port < this->GetNumberOfInputPorts(); ++port)
+    {
+      for (int input = 0; input < this->GetNumberOfInputConnections(port); ++input)
+      {
+        if (const isosurface::VolumeInput volume(this->GetInputInformation(port, input)); volume)
+        {
+          volume.GetHandle().EndTaking(this->Algorithm);
+        }
+      }
+    }
+  }
+  return isDone;
 }

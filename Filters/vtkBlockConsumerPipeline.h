@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkBlockConsumerPipeline
- * @brief   the executive of a vtkDistributeIsosurface
+ * @brief   the executive of filters that take blocks beside the pipeline
  *
- * Brings the filter's input's information up to date, but not its data, if the filter takes the
- * contour's blocks: the contour would else extract a surface that nobody looks at.
+ * Of a vtkDistributeIsosurface, brings the input's information up to date, but not its data, if the
+ * filter takes the contour's blocks: the contour would else extract a surface that nobody looks at.
+ *
+ * Of a filter with several inputs, gives up the blocks of a volume if another input fails: the
+ * volume's reader would else go on without an output for others (vtkBlockedVolumeHandle).
  */
 
 #ifndef vtkBlockConsumerPipeline_h

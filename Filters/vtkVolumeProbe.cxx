@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkVolumeProbe.h"
 
+#include "vtkBlockConsumerPipeline.h"
+
 #include "BlockImage.h"
 #include "VolumeInput.h"
 #include "VolumeReading.h"
@@ -183,6 +185,12 @@ vtkVolumeProbe::~vtkVolumeProbe()
 }
 
 //------------------------------------------------------------------------------
+vtkExecutive* vtkVolumeProbe::CreateDefaultExecutive()
+{
+  return vtkBlockConsumerPipeline::New();
+}
+
+//------------------------------------------------------------------------------
 void vtkVolumeProbe::SetSourceConnection(vtkAlgorithmOutput* points)
 {
   this->SetInputConnection(1, points);
@@ -228,8 +236,11 @@ int vtkVolumeProbe::RequestInformation(
 {
   // The extent and the place are those of the points.
   vtkInformation* outInfo = output->GetInformationObject(0);
-  outInfo->CopyEntry(
-    input[1]->GetInformationObject(0), vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
+  vtkInformation* points = input[1]->GetInformationObject(0);
+  outInfo->CopyEntry(points, vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
+  outInfo->CopyEntry(points, vtkDataObject::ORIGIN());
+  outInfo->CopyEntry(points, vtkDataObject::SPACING());
+  outInfo->CopyEntry(points, vtkDataObject::DIRECTION());
   TellTimes(input, outInfo);
   return 1;
 }

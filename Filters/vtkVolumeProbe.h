@@ -66,6 +66,8 @@ protected:
   vtkVolumeProbe();
   ~vtkVolumeProbe() override;
 
+  /// A vtkBlockConsumerPipeline.
+  vtkExecutive* CreateDefaultExecutive() override;
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestDataObject(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;

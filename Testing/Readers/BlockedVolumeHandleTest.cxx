@@ -20,12 +20,14 @@
 #include "vtkExecutive.h"
 #include "vtkGroupDataSetsFilter.h"
 #include "vtkInformation.h"
+#include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPassArrays.h"
 #include "vtkPassSelectedArrays.h"
 #include "vtkPassThrough.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkPolyDataAlgorithm.h"
 #include "vtkThreshold.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -36,6 +38,22 @@ namespace
 
 constexpr double High = 200.0;
 constexpr double Low = 60.5;
+
+/// Has no data to give.
+class FailingSource : public vtkPolyDataAlgorithm
+{
+public:
+  static FailingSource* New();
+  vtkTypeMacro(FailingSource, vtkPolyDataAlgorithm);
+
+protected:
+  FailingSource() { this->SetNumberOfInputPorts(0); }
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override
+  {
+    return 0;
+  }
+};
+vtkStandardNewMacro(FailingSource);
 
 class BlockedVolumeHandle : public testing::Test
 {
@@ -402,6 +420,34 @@ TEST_P(HandleBesideStock, ProbedPointsThatAreMadeOfTheSameVolumeAreOfAllOfIt)
     this->Reader->Modified();
     this->ExpectSurface(contour, High);
   }
+}
+
+TEST_P(HandleBesideStock, AProbeWhosePointsFailTakesNothing)
+{
+  vtkNew<vtkPassThrough> pass;
+  pass->SetInputConnection(this->Reader->GetOutputPort());
+  vtkAlgorithm* input = this->Reader;
+  if (GetParam())
+  {
+    input = pass;
+  }
+  const vtkNew<FailingSource> failing;
+  {
+    vtkNew<vtkVolumeProbe> probe;
+    probe->SetInputConnection(input->GetOutputPort());
+    probe->SetSourceConnection(failing->GetOutputPort());
+    for (int turn = 0; turn < 2; ++turn)
+    {
+      probe->Update();
+      failing->Modified();
+      vtkNew<vtkStabbingContour> contour; // after which the reader has a box
+      Connect(contour, input);
+      this->ExpectSurface(contour, High);
+    }
+    probe->Update();
+  }
+  this->Reader->Update();
+  EXPECT_TRUE((BlockChecks{ this->Image }.HaveEachCellOnce({ this->Reader->GetOutput() })));
 }
 
 std::string NameOfInput(const testing::TestParamInfo<bool>& info)

@@ -6,6 +6,7 @@
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace isosurface
 {
@@ -101,10 +102,13 @@ std::optional<int> FindLevelWithin(const BlockedVolume& volume,
     {
       const auto components =
         static_cast<std::uint64_t>(volume.GetHeader().Arrays[array].Components);
-      needed += components * volume.EstimateBytes(volume.GetVariables().GetFirst(array), level) /
-        static_cast<std::uint64_t>(pieces);
+      needed += components * volume.EstimateBytes(volume.GetVariables().GetFirst(array), level);
     }
-    if (needed <= bytes)
+    const Index3& blocks = volume.FindLevel(level).Grid->GetNumberOfBlocksPerAxis();
+    const auto layers =
+      static_cast<double>(*std::max_element(blocks.begin(), blocks.end())); // PartitionBlocks
+    const double largest = std::ceil(layers / pieces) / layers;
+    if (static_cast<double>(needed) * largest <= static_cast<double>(bytes))
     {
       return level;
     }

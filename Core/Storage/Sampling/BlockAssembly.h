@@ -37,8 +37,8 @@ struct BlockBox
 /// divided evenly. With more pieces than layers some are empty.
 BlockBox PartitionBlocks(const BlockGrid& grid, int piece, int pieces);
 
-/// The finest level at which one of `pieces` equal pieces of these arrays takes at most `bytes` of
-/// memory, by BlockedVolume::EstimateBytes; nothing if not even the coarsest level does.
+/// The finest level at which the largest of `pieces` pieces (PartitionBlocks) of these arrays takes at
+/// most `bytes` of memory, by BlockedVolume::EstimateBytes; nothing if not even the coarsest level does.
 std::optional<int> FindLevelWithin(const BlockedVolume& volume,
   const std::vector<std::size_t>& arrays, int pieces, std::uint64_t bytes);
 

@@ -44,7 +44,7 @@ Result<std::unique_ptr<PieceBlockSource>> PieceBlockSource::Make(Communicator& r
   const auto find = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(source->AddPieces(all));
-    source->FindBlocks(ranks.GetRank(), selection.Region, threads);
+    source->FindBlocks(ranks.GetRank(), selection, threads);
     source->FindSharedRanges(ranks.GetRank(), ranges);
     return Status::Ok();
   };
@@ -158,13 +158,15 @@ bool PieceBlockSource::IsActive(const KeyRange& range) const
 
 // Sorts the blocks of the region into those within a piece, of which the own active ones are kept, and
 // shared ones.
-void PieceBlockSource::FindBlocks(int rank, const Region& region, int threads)
+void PieceBlockSource::FindBlocks(int rank, const PieceBlockSelection& selection, int threads)
 {
+  const GridLines* lines = selection.Lines;
   std::vector<std::pair<std::int64_t, std::size_t>> whole; // own blocks and their pieces
   for (std::int64_t number = 0; number < this->Grid.GetNumberOfBlocks(); ++number)
   {
     const VertexBox vertices = this->Grid.GetVertices(number);
-    if (!region.Intersects(this->Geometry, vertices))
+    if (!selection.Region.Intersects(
+          lines ? lines->MakeFrame(this->Geometry, vertices) : this->Geometry, vertices))
     {
       continue;
     }

@@ -7,6 +7,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/BlockSource.h"
+#include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/PieceOwnership.h"
 #include "Ground/Volume/Region.h"
 #include "Ground/Volume/SampleRange.h"
@@ -33,6 +34,7 @@ struct PieceBlockSelection
 {
   std::vector<double> Isovalues;
   isosurface::Region Region;
+  const GridLines* Lines = nullptr; ///< of a rectilinear grid; null: of a regular one
   int BlockSize = 64;     ///< 16, 32 or 64 cells
   bool WithLayer = false; ///< whether Available covers a layer around each block, for gradients
 };
@@ -112,7 +114,7 @@ private:
   Status DescribePieces(Message& message) const;
   Status AddPieces(const std::vector<Message>& messages);
   Status AddPiecesOf(int rank, const Message& message);
-  void FindBlocks(int rank, const Region& region, int threads);
+  void FindBlocks(int rank, const PieceBlockSelection& selection, int threads);
   void FindSharedRanges(int rank, CommonRanges& common);
   void DropInactive();
   /// Collective.

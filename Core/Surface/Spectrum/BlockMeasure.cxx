@@ -103,18 +103,91 @@ std::array<double, 3> GetFaces(const std::array<double, 3>& h)
   return { h[1] * h[2], h[2] * h[0], h[0] * h[1] };
 }
 
-/// |gradient| * volume is, for each term of the interpolant, the norm of the vector of differences
-/// along the axes, each times the area of the face normal to its axis.
-MeasureWeights MakeWeights(const std::array<double, 3>& faces, double largest)
+/// A cell of a grid.
+struct CellShape
 {
-  std::array<float, 3> squares;
+  double Volume = 0;
+  std::array<double, 3> Faces{}; ///< areas, by the axis across the face
+  /// Twice the scalar products of faces as vectors, of those across x and y, x and z, y and z; 0 in a
+  /// grid whose axes are perpendicular.
+  std::array<double, 3> Products{};
+
+  double GetLargestFace() const
+  {
+    return *std::max_element(this->Faces.begin(), this->Faces.end());
+  }
+};
+
+using Vector3 = std::array<double, 3>;
+
+double Dot(const Vector3& a, const Vector3& b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vector3 Cross(const Vector3& a, const Vector3& b)
+{
+  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+}
+
+/// Whether the axes are of length 1 and perpendicular but for rounding, as those of a turned grid are.
+bool ArePerpendicular(const std::array<double, 9>& direction)
+{
+  constexpr double rounding = 1e-6;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    for (std::size_t b = a; b < 3; ++b)
+    {
+      const double product = Dot({ direction[a], direction[3 + a], direction[6 + a] },
+        { direction[b], direction[3 + b], direction[6 + b] });
+      if (std::abs(product - (a == b ? 1 : 0)) > rounding)
+      {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+CellShape FindShape(const GridGeometry& grid)
+{
+  const std::array<double, 3> h = GetAbsoluteSpacing(grid);
+  if (ArePerpendicular(grid.Direction))
+  {
+    return { h[0] * h[1] * h[2], GetFaces(h), {} };
+  }
+  std::array<Vector3, 3> edges;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const double face = largest > 0 ? faces[axis] / largest : 0;
+    for (std::size_t row = 0; row < 3; ++row)
+    {
+      edges[axis][row] = grid.Direction[3 * row + axis] * grid.Spacing[axis];
+    }
+  }
+  const Vector3 x = Cross(edges[1], edges[2]);
+  const Vector3 y = Cross(edges[2], edges[0]);
+  const Vector3 z = Cross(edges[0], edges[1]);
+  return { std::abs(Dot(edges[0], x)),
+    { std::sqrt(Dot(x, x)), std::sqrt(Dot(y, y)), std::sqrt(Dot(z, z)) },
+    { 2 * Dot(x, y), 2 * Dot(x, z), 2 * Dot(y, z) } };
+}
+
+/// |gradient| * volume is, for each term of the interpolant, the norm of the sum of the faces as
+/// vectors, each times the difference along its axis.
+MeasureWeights MakeWeights(const CellShape& cell)
+{
+  const double largest = cell.GetLargestFace();
+  std::array<float, 3> squares;
+  std::array<float, 3> products;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double face = largest > 0 ? cell.Faces[axis] / largest : 0;
     squares[axis] = static_cast<float>(face * face);
+    products[axis] = static_cast<float>(largest > 0 ? cell.Products[axis] / largest / largest : 0);
   }
   return { squares[0], squares[1], squares[2], squares[0] + squares[1], squares[0] + squares[2],
-    squares[1] + squares[2], squares[0] + squares[1] + squares[2] };
+    squares[1] + squares[2], squares[0] + squares[1] + squares[2], products[0], products[1],
+    products[2] };
 }
 
 std::uint64_t Scale(std::int64_t number, double factor)
@@ -163,15 +236,12 @@ void MeasureSums::SetMeasures(WorkloadSpectrum& spectrum) const
 
 double BlockMeasure::GetAreaUnit(const GridGeometry& grid)
 {
-  const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid));
-  return std::ldexp(
-    *std::max_element(faces.begin(), faces.end()), DroppedBits - MeasureSums::FractionBits);
+  return std::ldexp(FindShape(grid).GetLargestFace(), DroppedBits - MeasureSums::FractionBits);
 }
 
 double BlockMeasure::GetVolumeUnit(const GridGeometry& grid)
 {
-  const std::array<double, 3> h = GetAbsoluteSpacing(grid);
-  return std::ldexp(h[0] * h[1] * h[2], DroppedBits - MeasureSums::FractionBits);
+  return std::ldexp(FindShape(grid).Volume, DroppedBits - MeasureSums::FractionBits);
 }
 
 std::int64_t BlockMeasure::ChooseRowStride(const GridGeometry& grid)
@@ -195,8 +265,7 @@ BlockMeasure::BlockMeasure(
   , RowStride(rowStride)
   , Sums(bins)
 {
-  const std::array<double, 3> faces = GetFaces(GetAbsoluteSpacing(grid.Geometry));
-  this->Weights = MakeWeights(faces, *std::max_element(faces.begin(), faces.end()));
+  this->Weights = MakeWeights(FindShape(grid.Geometry));
 }
 
 void BlockMeasure::SetBins(const SpectrumBins& bins)
@@ -340,11 +409,11 @@ void BlockMeasure::CountLinedRun(
   const std::array<double, 3> spacing = GetAbsoluteSpacing(this->Grid.Geometry);
   const std::array<double, 3> lengths = { this->GetLength(0, begin), this->GetLength(1, place.J),
     this->GetLength(2, place.K) };
-  const std::array<double, 3> faces =
+  CellShape shape;
+  shape.Faces =
     GetFaces({ lengths[0] * spacing[0], lengths[1] * spacing[1], lengths[2] * spacing[2] });
-  const std::array<double, 3> meanFaces = GetFaces(spacing);
-  const double face = *std::max_element(faces.begin(), faces.end());
-  const double meanFace = *std::max_element(meanFaces.begin(), meanFaces.end());
+  const double face = shape.GetLargestFace();
+  const double meanFace = FindShape(this->Grid.Geometry).GetLargestFace();
   // The row stands for the height of all rows of its group.
   const double height = this->GetLength(1, place.FirstRow, place.Rows) / lengths[1];
   const double areaScale = face / meanFace * height;
@@ -354,7 +423,7 @@ void BlockMeasure::CountLinedRun(
   CellRun run;
   const RowPointers pointers = { { rows[0].data(), rows[1].data(), rows[2].data(), rows[3].data() },
     run.From.data(), run.To.data(), run.Area.data(), run.First.data(), run.Slope.data() };
-  MeasureCells(pointers, cells, MakeWeights(faces, face), static_cast<float>(this->Bins.Count),
+  MeasureCells(pointers, cells, MakeWeights(shape), static_cast<float>(this->Bins.Count),
     static_cast<float>(one));
   const std::uint64_t volume = Scale(one, volumeScale);
   for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells); ++cell)

@@ -34,9 +34,9 @@ float Maximum(float a, float b)
   return a > b ? a : b;
 }
 
-} // namespace
-
-ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t cells,
+// Inlined, so that it is compiled for several processors, too.
+template <bool ArePerpendicular>
+[[gnu::always_inline]] inline void Measure(const RowPointers& pointers, std::int64_t cells,
   const MeasureWeights& weights, float bins, float one)
 {
   const float *a = pointers.Values[0], *b = pointers.Values[1], *c = pointers.Values[2],
@@ -65,8 +65,17 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
     const float hyz = Square(yz0 + yz1) * OverFortyEight;
     const float k = Square(yz1 - yz0) * (OverFortyEight / 3);
     const float variance = gx + gy + gz + hxy + hxz + hyz + k; // times 12
-    const float gradient = weight.X * gx + weight.Y * gy + weight.Z * gz + weight.XY * hxy +
+    float gradient = weight.X * gx + weight.Y * gy + weight.Z * gz + weight.XY * hxy +
       weight.XZ * hxz + weight.YZ * hyz + weight.XYZ * k;
+    if constexpr (!ArePerpendicular)
+    {
+      const float x = sum1 - sum0, y = y0 + y1, z = z0 + z1;
+      const float xy = y1 - y0, xz = z1 - z0, yz = yz0 + yz1;
+      gradient += weight.XTimesY * (x * y / 16 + xz * yz * OverFortyEight) +
+        weight.XTimesZ * (x * z / 16 + xy * yz * OverFortyEight) +
+        weight.YTimesZ * (y * z / 16 + xy * xz * OverFortyEight);
+      gradient = Maximum(gradient, 0);
+    }
 
     const float low =
       Minimum(Minimum(Minimum(a0, a1), Minimum(b0, b1)), Minimum(Minimum(c0, c1), Minimum(d0, d1)));
@@ -93,6 +102,28 @@ ISOSURFACE_CLONES void MeasureCells(const RowPointers& pointers, std::int64_t ce
     slope[i] = static_cast<std::int32_t>(Minimum(steepness, 1) * one + 0.5f);
     // NOLINTEND(bugprone-incorrect-roundings)
   }
+}
+
+ISOSURFACE_CLONES void MeasurePerpendicular(const RowPointers& pointers, std::int64_t cells,
+  const MeasureWeights& weights, float bins, float one)
+{
+  Measure<true>(pointers, cells, weights, bins, one);
+}
+
+ISOSURFACE_CLONES void MeasureOblique(const RowPointers& pointers, std::int64_t cells,
+  const MeasureWeights& weights, float bins, float one)
+{
+  Measure<false>(pointers, cells, weights, bins, one);
+}
+
+} // namespace
+
+void MeasureCells(const RowPointers& pointers, std::int64_t cells, const MeasureWeights& weights,
+  float bins, float one)
+{
+  const bool arePerpendicular =
+    weights.XTimesY == 0 && weights.XTimesZ == 0 && weights.YTimesZ == 0;
+  (arePerpendicular ? MeasurePerpendicular : MeasureOblique)(pointers, cells, weights, bins, one);
 }
 
 } // namespace isosurface

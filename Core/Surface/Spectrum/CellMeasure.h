@@ -8,10 +8,12 @@ namespace isosurface
 {
 
 /// The weights of a cell's squared differences along the axes in its squared gradient: squared
-/// areas of the faces normal to these axes, relative to the largest face.
+/// areas of the faces across these axes, relative to the largest face. In a grid whose axes are not
+/// perpendicular, products of differences along two axes have weights, too.
 struct MeasureWeights
 {
   float X, Y, Z, XY, XZ, YZ, XYZ;
+  float XTimesY = 0, XTimesZ = 0, YTimesZ = 0;
 };
 
 /// What MeasureCells takes and gives, row by row.
@@ -32,7 +34,8 @@ struct RowPointers
  * With u, v, w from -1/2 to 1/2, the trilinear interpolant of a cell is
  *   mean + gx u + gy v + gz w + hxy uv + hxz uw + hyz vw + k uvw,
  * its variance (gx^2 + gy^2 + gz^2) / 12 + (hxy^2 + hxz^2 + hyz^2) / 144 + k^2 / 1728, and the mean
- * square of its derivative by u gx^2 + (hxy^2 + hxz^2) / 12 + k^2 / 144.
+ * square of its derivative by u gx^2 + (hxy^2 + hxz^2) / 12 + k^2 / 144. The mean product of its
+ * derivatives by u and by v is gx gy + hxz hyz / 12.
  */
 void MeasureCells(const RowPointers& pointers, std::int64_t cells, const MeasureWeights& weights,
   float bins, float one);

@@ -108,16 +108,36 @@ TEST(BlockAssembly, LevelWithinALimitIsTheFinestThatFits)
   MemoryDisk disk;
   const auto volume =
     WriteAndOpen(disk, MakeVolume<std::int16_t>({ 70, 33, 50 }), MakeSettings(16, 3));
-  for (const int pieces : { 1, 3 })
+  for (const int pieces : { 1, 2, 3, 4, 7, 20 })
   {
+    std::vector<std::uint64_t> bytes; // of the largest piece, by level
     for (int level = 0; level < 3; ++level)
     {
-      const std::uint64_t bytes =
-        volume->EstimateBytes(0, level) / static_cast<std::uint64_t>(pieces);
-      EXPECT_EQ(FindLevelWithin(*volume, { 0 }, pieces, bytes), level);
-      EXPECT_EQ(FindLevelWithin(*volume, { 0 }, pieces, bytes - 1), level + 1);
-      // Two arrays take twice as much.
-      EXPECT_EQ(FindLevelWithin(*volume, { 0, 0 }, pieces, 2 * bytes), level);
+      const StoredLevel stored = volume->FindLevel(level);
+      std::int64_t layers = 0; // of blocks
+      for (int piece = 0; piece < pieces; ++piece)
+      {
+        const BlockBox box = PartitionBlocks(*stored.Grid, piece, pieces);
+        layers = std::max(layers, box.High[0] - box.Low[0]);
+      }
+      const double share = static_cast<double>(layers) /
+        static_cast<double>(stored.Grid->GetNumberOfBlocksPerAxis()[0]);
+      bytes.push_back(static_cast<std::uint64_t>(
+        std::ceil(share * static_cast<double>(volume->EstimateBytes(0, level)))));
+    }
+    for (const std::uint64_t limit : bytes)
+    {
+      for (const std::uint64_t most : { limit, limit - 1 })
+      {
+        const auto fits = std::find_if(
+          bytes.begin(), bytes.end(), [most](std::uint64_t needed) { return needed <= most; });
+        const std::optional<int> level = fits == bytes.end()
+          ? std::nullopt
+          : std::optional<int>(static_cast<int>(fits - bytes.begin()));
+        EXPECT_EQ(FindLevelWithin(*volume, { 0 }, pieces, most), level) << pieces;
+        // Two arrays take twice as much.
+        EXPECT_EQ(FindLevelWithin(*volume, { 0, 0 }, pieces, 2 * most), level) << pieces;
+      }
     }
   }
   EXPECT_EQ(FindLevelWithin(*volume, { 0 }, 1, 0), std::nullopt);

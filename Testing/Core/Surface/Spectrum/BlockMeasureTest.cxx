@@ -212,6 +212,56 @@ TEST(BlockMeasure, IsExactForPlanesAcrossAnAxis)
   }
 }
 
+TEST(BlockMeasure, MeasuresSpheresInTiltedGrids)
+{
+  // As a CT's whose gantry is tilted by 30 degrees; and one whose axes have other lengths than 1.
+  const std::array<double, 9> tilted = { 1, 0, 0, 0, 1, 0.5, 0, 0, std::sqrt(0.75) };
+  const std::array<double, 9> skewed = { 0.9, 0.2, -0.3, 0.1, 1.1, 0.2, 0, 0.3, 0.8 };
+  const Index3 size = { 81, 75, 91 };
+  for (const std::array<double, 9>& direction : { tilted, skewed })
+  {
+    for (const double sign : { 1.0, -1.0 })
+    {
+      GridGeometry grid = MakeGrid(size, { 0.5, sign * 0.7, 0.6 });
+      grid.Direction = direction;
+      const auto place = [&](auto i, auto j, auto k, std::size_t row)
+      {
+        return direction[3 * row] * 0.5 * static_cast<double>(i) +
+          direction[3 * row + 1] * sign * 0.7 * static_cast<double>(j) +
+          direction[3 * row + 2] * 0.6 * static_cast<double>(k);
+      };
+      const std::array<double, 3> center = { place(40, 37, 45, 0), place(40, 37, 45, 1),
+        place(40, 37, 45, 2) };
+      const SampleVolume<float> volume(size,
+        [&](auto i, auto j, auto k)
+        {
+          return std::hypot(place(i, j, k, 0) - center[0], place(i, j, k, 1) - center[1],
+            place(i, j, k, 2) - center[2]);
+        });
+      const Measures measures = Measure(volume, grid);
+      const SpectrumBins& bins = measures.Spectrum.Bins;
+      const double whole = measures.GetVolume(0);
+      int tested = 0;
+      double areas = 0; // relative to the sphere's
+      double volumes = 0;
+      for (std::size_t bin = 0; bin < bins.Count; ++bin)
+      {
+        const double radius = bins.GetEdge(bin);
+        if (radius > 6 && radius < 11)
+        {
+          ++tested;
+          const double area = 4 * Pi * radius * radius;
+          areas += measures.GetArea(bin) / area;
+          volumes += (whole - measures.GetVolume(bin)) / (area * radius / 3);
+        }
+      }
+      ASSERT_GT(tested, 10);
+      EXPECT_NEAR(areas / tested, 1, 0.01);
+      EXPECT_NEAR(volumes / tested, 1, 0.01);
+    }
+  }
+}
+
 TEST(BlockMeasure, ErrorsGrowWithTheRowStride)
 {
   // Planes at angles in step with rows of cells, which a regular choice of rows might miss.
