@@ -58,8 +58,8 @@ std::string FormatWritten(const WriteStatistics& written, bool isInPlace)
 }
 
 /// Writes one time step of the input.
-Status WriteStep(
-  const BlockVolumeOptions& options, InputVolume volume, std::size_t step, Communicator& ranks)
+Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::size_t step,
+  Communicator& ranks, BlockedVolumeWriter& writer)
 {
   double sampleBytes = 0;
   for (const ArrayDescription& array : volume.Arrays)
@@ -86,12 +86,16 @@ Status WriteStep(
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   ProgressDisplay display(options.Output, sampleBytes, isTold);
   const Progress progress = display.GetProgress();
-  const auto written = BlockedVolumeWriter(ranks).Write(
+  const auto written = writer.Write(
     options.Output, volume.Grid, volume.Arrays, *volume.Source, settings, RenewTimeWith(progress));
   const double seconds = display.GetSeconds();
   display.Clear();
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-  if (isTold)
+  if (isTold && written->Stores.empty())
+  {
+    std::printf("%s: time step %zu was finished by an earlier run\n", options.Output.c_str(), step);
+  }
+  else if (isTold)
   {
     std::printf("%s: %llu blocks of %d cells a side in %zu stores, %s (%s of samples), %.1f s, "
                 "%.0f MB/s\n",
@@ -123,14 +127,18 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
       "--time: " + options.Input + " has " + std::to_string(steps) +
         " time steps; --step chooses one");
   }
-  ISOSURFACE_RETURN_IF_ERROR(WriteStep(options, std::move(*volume), first, ranks));
+  // All become visible with the last one, so that an error of any leaves an older volume.
+  BlockedVolumeWriter writer(ranks);
   BlockVolumeOptions next = options;
+  next.Settings.Publish = steps == 1;
+  ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*volume), first, ranks, writer));
   next.Settings.Append = true;
   for (std::size_t step = first + 1; step < first + steps; ++step)
   {
     auto more = InputVolume::Open(next, step);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(more.GetStatus()));
-    ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*more), step, ranks));
+    next.Settings.Publish = step + 1 == first + steps;
+    ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*more), step, ranks, writer));
   }
   return Status::Ok();
 }

@@ -1,14 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Files of h5py, read by blockvolume: check_hdf5.py TOOL MPIEXEC SCRATCH CLAIM"""
+import hashlib
+import json
 import os
+import pathlib
 import struct
+import subprocess
 import sys
+import time
 
 import h5py
 import numpy
 
-from sample_volumes import SHAPE, TYPES, SourceCase, list_files, make_samples, run_claim
+from sample_volumes import SHAPE, TYPES, SourceCase, list_files, make_samples, remove_volume, run_claim
 
 
 class Datasets(SourceCase):
@@ -79,6 +84,60 @@ class TimeStepsAndChannels(SourceCase):
         self.assert_equal_volumes(path, self.write_raw(steps[2], "data", "--time", "2"))
         self.assert_error("t.h5", "t.h5:/data", "3 time steps", arguments=["--step", "3"])
         self.assert_error("t.h5", "--time", "--step", arguments=["--time", "3"])
+
+    def read_all(self, path):
+        return {name: hashlib.sha256(pathlib.Path(file).read_bytes()).hexdigest()
+                for name, file in list_files(path).items()}
+
+    def test_an_error_of_a_later_time_step_leaves_the_older_volume(self):
+        steps = numpy.stack([make_samples("int16", phase=step) for step in range(3)])
+        with h5py.File(self.path("damaged.h5"), "w") as file:
+            data = file.create_dataset("data", data=steps, chunks=(1, 16, 16, 16), fletcher32=True)
+            chunk = data.id.get_chunk_info(data.id.get_num_chunks() - 1)
+            self.assertEqual(chunk.chunk_offset[0], 2)
+        with open(self.path("damaged.h5"), "r+b") as file:
+            file.seek(chunk.byte_offset)
+            file.write(b"damage")
+        with h5py.File(self.path("backward.vtkhdf"), "w") as file:
+            group = file.create_group("VTKHDF")
+            group.attrs["Type"] = numpy.bytes_("ImageData")
+            group.attrs["WholeExtent"] = (0, 69, 0, 36, 0, 40)
+            group["PointData/data"] = steps
+            group["Steps/Values"] = [2.0, 1.0, 0.0]
+        path = self.write_raw(steps[0], "data", "--time", "-1")
+        older = self.read_all(path)
+        for source in ("damaged.h5", "backward.vtkhdf"):
+            for ranks, arguments in ((1, []), (2, []), (1, ["--append"]), (1, ["--sandbox"])):
+                with self.subTest(source=source, ranks=ranks, arguments=arguments):
+                    code, _, err = self.run_tool(source, path, "--stores", "3", *arguments, ranks=ranks)
+                    self.assertEqual(code, 1, err)
+                    self.assertEqual(self.read_all(path), older)
+                    self.assertEqual(os.listdir(path + ".stores"), ["000001"])
+        # What a journal has of a volume in place stays, too, for the next run.
+        for told in (0, 2):
+            code, out, err = self.run_tool("damaged.h5", path, "--stores", "3", "--in-place")
+            self.assertEqual((code, out.count("was finished by an earlier run")), (1, told), err)
+            self.assertEqual({name: self.read_all(path)[name] for name in older}, older)
+        code, _, err = self.run_tool("damaged.h5", path, "--stores", "3", "--step", "1")
+        self.assertEqual(code, 0, err)
+        self.assertEqual(os.listdir(path + ".stores"), [json.loads(
+            self.run_tool("--info", "--json", path)[1])["timeSteps"][0]["folder"]])
+
+    def test_time_steps_in_place_go_on_after_a_kill(self):
+        steps = numpy.stack([make_samples("int16", phase=step) for step in range(3)])
+        with h5py.File(self.path("k.h5"), "w") as file:
+            file.create_dataset("data", data=steps, chunks=(1, 16, 16, 16), compression="gzip")
+        expected = self.read_all(self.write("k.h5", "o.bvol", "--in-place"))
+        path = self.path("o.bvol")
+        remove_volume(path)
+        command = [self.tool, "k.h5", path, "--stores", "3", "--in-place", "--quiet"]
+        with subprocess.Popen(command, cwd=self.scratch) as process:
+            while not os.path.exists(path + ".stores/journal") and process.poll() is None:
+                time.sleep(0.001)
+            process.kill()
+        code, _, err = self.run_tool("k.h5", path, "--stores", "3", "--in-place", ranks=2)
+        self.assertEqual(code, 0, err)
+        self.assertEqual(self.read_all(path), expected)
 
     def append_raw(self, samples, expected, step):
         samples.tofile(self.path("more.raw"))
