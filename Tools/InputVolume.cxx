@@ -54,10 +54,16 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::si
     ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   }
   const bool isFile = options.Raw || IsForeignVolume(GetLocalFileSystem(), options.Input);
-  if (!isFile && !options.Axes.empty())
+  const bool isPlain = options.Raw || !isFile;
+  if (isPlain && !options.Axes.empty())
   {
     return Status(StatusCode::InvalidArgument,
       "--axes: " + options.Input + " is no file of HDF5, NetCDF or Zarr");
+  }
+  if (isPlain && step > 0)
+  {
+    return Status(
+      StatusCode::InvalidArgument, "--step: " + options.Input + " is read as one time step");
   }
   auto volume = isFile ? OpenFile(options, step)
                        : OpenPipelineInput(options.Input, options.Arrays, options.WithCells,

@@ -409,13 +409,8 @@ ValueType FindType(const Slices& slices)
 }
 
 Result<OpenedVolume> OpenDicomVolume(
-  FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
+  FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& /*choice*/)
 {
-  if (choice.Step > 0 || !choice.Axes.empty())
-  {
-    return Status(StatusCode::InvalidArgument,
-      name.GetText() + ": a series of DICOM has one time step, and axes of its own");
-  }
   auto slices = ChooseSeries(name);
   ISOSURFACE_RETURN_IF_ERROR(slices.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR(SortSlices(*slices));

@@ -21,6 +21,12 @@ Result<OpenedVolume> OpenFormat(
         ": cannot be read: it is neither MetaImage, NRRD, TIFF, nor of another format by "
         "its name or first bytes");
   }
+  if (!choice.Axes.empty() && !format->TakesAxes && !choice.IsRecorded)
+  {
+    return Status(StatusCode::InvalidArgument,
+      name.GetText() + ": cannot be read with the axes \"" + choice.Axes + "\": those of " +
+        std::string(format->Name) + " files are given");
+  }
   const auto functions = format->Load(name.Path);
   ISOSURFACE_RETURN_IF_ERROR(functions.GetStatus());
   if (!name.Within.empty() && !functions->List)

@@ -19,6 +19,7 @@ bool IsForeignVolume(FileSystem& files, const std::string& name);
  * formats and how they are recognised; Documentation/dev/sources.md, what is read of each.
  *
  * Unsupported if not IsForeignVolume(), or if the module that reads the format cannot be loaded.
+ * InvalidArgument for axes, unless the format takes them, and for a time step that is not there.
  * `files` must outlive the source. HDF5, NetCDF and DICOM are read from the local file system,
  * whatever `files` is. Cost: reading the headers; for a TIFF stack, the directories of all pages.
  */

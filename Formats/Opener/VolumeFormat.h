@@ -29,6 +29,7 @@ struct VolumeFormat
     FileSystem& files, const std::string& path, const std::vector<std::string>& names) = nullptr;
   FormatFunctions Functions;    ///< if this library has them
   const char* Module = nullptr; ///< which has them otherwise (LoadFormatModule)
+  bool TakesAxes = false;       ///< whether VolumeChoice::Axes may say what the axes are
 
   /// Whether a file of this name is of the format, whatever is in it.
   bool HasExtension(const std::string& path) const;

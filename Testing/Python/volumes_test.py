@@ -165,6 +165,8 @@ class Files(VolumeTest):
             self.assertEqual((volume.levels, volume.spacing), (1, (0.5, 1, 2)))
             self.assertEqual(numpy.abs(volume.origin).tolist(), [10, 20, 30])
             self.check_keys(volume, samples, 40 if packed else 200)
+        with self.assertRaisesRegex(ValueError, "waves.nrrd: cannot be read with the axes"):
+            si.open(self.path("waves.nrrd"), axes="xyz")
         self.assertEqual(os.listdir(self.folder), ["waves.nrrd"])
 
     @unittest.skipUnless(h5py, "there is no h5py")

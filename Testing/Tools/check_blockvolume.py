@@ -428,6 +428,20 @@ class ErrorsAreOneLine(Case):
             self.check(f"{name}: ", "--info", name)
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol")))
 
+    def test_axes_and_time_steps_that_nothing_would_obey(self):
+        raw = [os.path.join(INPUTS, "a.raw"), "c.bvol", "--dimensions", ",".join(map(str, SIZE)),
+               "--type", "int16"]
+        for name in ("a.mhd", "a.nii.gz", "a.tif", "a.vti", "a.vtr", "a.vtk"):
+            source = os.path.join(INPUTS, name)
+            self.check("axes", source, "c.bvol", "--axes", "xyz")
+            self.check("time step", source, "c.bvol", "--step", "1")
+        self.check("a.tif: cannot be read with the axes \"zyx\": those of TIFF files are given",
+                   os.path.join(INPUTS, "a.tif"), "c.bvol", "--axes", "zyx", ranks=2)
+        self.check("--axes: ", *raw, "--axes", "xyz")
+        self.check("--step: ", *raw, "--step", "1", ranks=2)
+        self.assertFalse(glob.glob(os.path.join(SCRATCH, "c.bvol*")))
+        self.assertEqual(run(*raw, "--step", "0", "--quiet"), (0, "", ""))
+
     def test_fifos_and_devices_in_place_of_files(self):
         def pipe(name):
             path = os.path.join(SCRATCH, name)

@@ -25,6 +25,7 @@ struct VolumeChoice
   std::size_t Step = 0;            ///< number of the time step
   std::string Axes;                ///< of a dataset, a letter each; empty: as it says
   bool IgnoresPlaces = false;      ///< whether the caller places the samples, on a regular grid
+  bool IsRecorded = false;         ///< whether a volume names it, perhaps with axes without effect
   std::vector<std::string> Arrays; ///< names; empty: all. Unknown names choose nothing
   /// Of a pyramid, the finest level of at most so many vertices, or the coarsest; 0: the finest.
   std::int64_t Vertices = 0;

@@ -79,6 +79,7 @@ VolumeChoice SourceRecord::MakeChoice(const std::vector<std::string>& arrays) co
   choice.Step = this->Step;
   choice.Axes = this->Axes;
   choice.IgnoresPlaces = true;
+  choice.IsRecorded = true; // release 1.0.0 wrote axes of formats that ignore them
   choice.Arrays = arrays;
   choice.CacheBytes = 0; // whole chunks are read, and kept elsewhere
   return choice;

@@ -2,6 +2,7 @@
 #include "Fixtures/SampleFiles.h"
 
 #include "Formats/Opener/ForeignVolume.h"
+#include "Storage/Store/SourceRecord.h"
 
 using namespace isosurface;
 
@@ -132,6 +133,25 @@ TEST(RawSamples, AreDescribedByTheNameOfTheVolumeOrOfTheFile)
   ASSERT_EQ(listed.size(), 1u);
   EXPECT_EQ(listed[0].Name, "9x7x5,uint16");
   EXPECT_EQ(listed[0].Shape, "5 x 7 x 9");
+}
+
+TEST(RawSamples, TakeNoAxesUnlessAVolumeInPlaceNamesThem)
+{
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.dat", Bytes(630));
+  VolumeChoice choice;
+  choice.Axes = "zyx";
+  for (const char* name : { "/data/a.dat:9x7x5,uint16", "/data/a.mhd", "/data/a.nrrd",
+         "/data/a.nii", "/data/a.mrc", "/data/a.tif", "/data/a.dcm" })
+  {
+    ExpectError(OpenForeignVolume(disk, name, choice).GetStatus(), StatusCode::InvalidArgument,
+      std::string(name) + ": cannot be read with the axes \"zyx\": those of ");
+  }
+  // A volume that release 1.0.0 has written may name axes that were without effect.
+  SourceRecord record;
+  record.Axes = "zyx";
+  EXPECT_TRUE(
+    OpenForeignVolume(disk, "/data/a.dat:9x7x5,uint16", record.MakeChoice({ "raw" })).IsOk());
 }
 
 TEST(RawSamples, InAGzipStreamAreDescribedInTheSameWay)
