@@ -219,8 +219,10 @@ void AddInputOptions(CLI::App& app, RawTexts& texts)
 void AddSourceOptions(CLI::App& app, BlockVolumeOptions& options)
 {
   app.option_defaults()->group("Volumes in place");
-  app.add_option("--source", options.Source,
-    "Write nothing, but tell IN.bvol, which was written in place, where its IN is now");
+  app
+    .add_option("--source", options.Source,
+      "Write nothing, but tell IN.bvol, which was written in place, where its IN is now")
+    ->excludes("--list");
 }
 
 void AddSandboxOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
@@ -247,8 +249,12 @@ void AddSandboxOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
 void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& options)
 {
   app.option_defaults()->group("Inspecting a blocked volume");
-  CLI::Option* info = app.add_flag("--info", texts.IsInfo,
-    "Print grid, arrays, time steps, stores, compression, balance and contour spectrum of IN.bvol");
+  CLI::Option* info = app
+                        .add_flag("--info", texts.IsInfo,
+                          "Print grid, arrays, time steps, stores, compression, balance and "
+                          "contour spectrum of IN.bvol")
+                        ->excludes("--list")
+                        ->excludes("--source");
   app.add_flag("--json", options.IsJson, "... as JSON")->needs(info);
   app
     .add_flag("--spectrum", options.WithSpectrum,
@@ -258,14 +264,18 @@ void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& op
   app
     .add_flag("--verify", texts.IsVerify,
       "Read all of IN.bvol, check every checksum and decode every block; print every fault")
-    ->excludes(info);
+    ->excludes(info)
+    ->excludes("--list")
+    ->excludes("--source");
   app
     .add_flag("--repair", texts.IsRepair,
       "Restore lost and damaged stores of IN.bvol from the other stores that have their blocks, if "
       "it\n"
       "was written with --replicas; print what cannot be restored")
     ->excludes(info)
-    ->excludes("--verify");
+    ->excludes("--verify")
+    ->excludes("--list")
+    ->excludes("--source");
 }
 
 Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)

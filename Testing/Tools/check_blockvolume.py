@@ -3,6 +3,7 @@
 """Runs blockvolume as its users do: check_blockvolume.py TOOL MPIEXEC INPUTS SCRATCH CLAIM"""
 import filecmp
 import glob
+import itertools
 import json
 import os
 import random
@@ -400,8 +401,11 @@ class ErrorsAreOneLine(Case):
         self.check("--type: needs --dimensions", source, "o.bvol", "--type", "int16")
         self.check("--type: \"int17\"", source, "o.bvol", "--dimensions", "3,3,3", "--type", "int17")
         self.check("--json", source, "o.bvol", "--json")
-        self.check("--verify", "--info", "--verify", "o.bvol")
-        self.check("--repair", "--info", "--repair", "o.bvol")
+        commands = {"--info": [], "--verify": [], "--repair": [], "--list": [], "--source": ["a.mhd"]}
+        for one, other in itertools.combinations(commands, 2):
+            for first, second in ((one, other), (other, one)):
+                self.check(one, "o.bvol", first, *commands[first], second, *commands[second])
+                self.check(other, "o.bvol", first, *commands[first], second, *commands[second])
         self.check("--replicas", source, "o.bvol", "--stores", "20", "--replicas", "17")
         self.check("3 replicas take as many stores; there are 2", source, "o.bvol",
                    "--stores", "2", "--replicas", "3", ranks=2)
