@@ -6,6 +6,7 @@
 #include "RepairCommand.h"
 #include "Sandbox.h"
 #include "SourceCommand.h"
+#include "StandardOutput.h"
 #include "StopSignal.h"
 #include "VerifyCommand.h"
 #include "WriteCommand.h"
@@ -126,7 +127,8 @@ int RunAndTell(const Result<BlockVolumeOptions>& options, vtkMultiProcessControl
   try
   {
     ControllerCommunicator communicator(controller);
-    return Finish(Run(options, communicator), communicator.GetRank());
+    const Status status = Run(options, communicator);
+    return Finish(status.IsOk() ? FlushStandardOutput() : status, communicator.GetRank());
   }
   catch (const std::bad_alloc&)
   {

@@ -2,6 +2,7 @@
 // edgeindex: prints and checks edge-index files, and decodes them to triangles.
 #include "EdgeIndexCommands.h"
 #include "EdgeIndexOptions.h"
+#include "StandardOutput.h"
 #include "StopSignal.h"
 
 #include "vtkLogger.h"
@@ -49,7 +50,8 @@ int main(int argc, char** argv)
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   try
   {
-    const Status status = Run(EdgeIndexOptions::Parse(argc, argv));
+    Status status = Run(EdgeIndexOptions::Parse(argc, argv));
+    status = status.IsOk() ? FlushStandardOutput() : status;
     if (status.IsOk())
     {
       return 0;

@@ -432,6 +432,20 @@ class ErrorsAreOneLine(Case):
             self.check(f"{name}: ", "--info", name)
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol")))
 
+    def test_output_that_cannot_be_written(self):
+        path = self.write(os.path.join(INPUTS, "a.mhd"), "o.bvol")
+        raw = os.path.join(SCRATCH, "a_70x67x150_int16.raw")
+        shutil.copy(os.path.join(INPUTS, "a.raw"), raw)
+        for arguments in (["--info", path], ["--info", path, "--spectrum"], ["--list", raw], ["--help"],
+                          ["--sandbox", "--verify", path]):
+            with self.subTest(arguments=arguments), open("/dev/full", "w", encoding="ascii") as full:
+                result = subprocess.run([TOOL, *arguments], stdout=full, stderr=subprocess.PIPE, text=True,
+                                        cwd=SCRATCH, timeout=WAIT_SECONDS)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertRegex(result.stderr.splitlines()[-1],
+                                 "^blockvolume: cannot write to standard output: .")
+        os.remove(path)
+
     def test_axes_and_time_steps_that_nothing_would_obey(self):
         raw = [os.path.join(INPUTS, "a.raw"), "c.bvol", "--dimensions", ",".join(map(str, SIZE)),
                "--type", "int16"]

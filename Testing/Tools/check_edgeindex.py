@@ -392,6 +392,15 @@ class ErrorsAreOneLine(unittest.TestCase):
             file.write("not a surface" * 40)
         self.assertIn("text.eix", self.check("verify", "text.eix"))
 
+    def test_output_that_cannot_be_written(self):
+        for arguments in (["info", golden("bounded.eix")], ["verify", golden("bounded.eix")], ["--help"]):
+            with self.subTest(arguments=arguments), open("/dev/full", "w") as full:
+                result = subprocess.run([TOOL, *arguments], stdout=full, stderr=subprocess.PIPE, text=True,
+                                        cwd=SCRATCH, timeout=WAIT_SECONDS)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertRegex(result.stderr.splitlines()[-1],
+                                 "^edgeindex: cannot write to standard output: .")
+
     def test_help(self):
         self.assertEqual(run("--help")[0], 0)
         self.assertEqual(run("decode", "--help")[0], 0)
