@@ -122,12 +122,18 @@ Json Describe(const EdgeIndexFile& file)
   return json;
 }
 
+/// Names and paths may be any bytes.
+std::string Dump(const Json& json, int indent = -1)
+{
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 std::string Join(const Json& values, const char* between)
 {
   std::string text;
   for (const Json& value : values)
   {
-    text += (text.empty() ? "" : between) + value.dump();
+    text += (text.empty() ? "" : between) + Dump(value);
   }
   return text;
 }
@@ -136,8 +142,8 @@ void PrintTotals(const std::string& name, const Json& totals)
 {
   const auto points = totals["points"].get<double>();
   const auto bytes = totals["bytes"].get<double>();
-  std::printf("%-13s %s blocks, %s points, %s", name.c_str(), totals["blocks"].dump().c_str(),
-    totals["points"].dump().c_str(), FormatBytes(bytes).c_str());
+  std::printf("%-13s %s blocks, %s points, %s", name.c_str(), Dump(totals["blocks"]).c_str(),
+    Dump(totals["points"]).c_str(), FormatBytes(bytes).c_str());
   if (points > 0)
   {
     std::printf(", %.2f bits a point", 8 * bytes / points);
@@ -156,32 +162,32 @@ void Print(const Json& told)
   std::printf("spacing       %s\n", Join(grid["spacing"], " ").c_str());
   std::printf("origin        %s\n", Join(grid["origin"], " ").c_str());
   std::printf("direction     %s\n", Join(grid["direction"], " ").c_str());
-  std::printf("array         %s: %s, of %s\n", told["array"].dump().c_str(),
-    told["type"].get<std::string>().c_str(), told["source"].dump().c_str());
+  std::printf("array         %s: %s, of %s\n", Dump(told["array"]).c_str(),
+    told["type"].get<std::string>().c_str(), Dump(told["source"]).c_str());
   if (!told["time"].is_null())
   {
-    std::printf("time          %s\n", told["time"].dump().c_str());
+    std::printf("time          %s\n", Dump(told["time"]).c_str());
   }
   std::printf("mode          %s", settings["mode"].get<std::string>().c_str());
   if (settings.contains("maximumError"))
   {
-    std::printf(", to within %s of an edge", settings["maximumError"].dump().c_str());
+    std::printf(", to within %s of an edge", Dump(settings["maximumError"]).c_str());
   }
   if (settings.contains("quantizationBits"))
   {
-    std::printf(", %s bits from %s", settings["quantizationBits"].dump().c_str(),
+    std::printf(", %s bits from %s", Dump(settings["quantizationBits"]).c_str(),
       Join(settings["quantizationRange"], " to ").c_str());
   }
   std::printf("; profile %s\n", settings["profile"].get<std::string>().c_str());
   for (const Json& attribute : told["attributes"])
   {
-    std::printf("attribute     %s: %s x %s, to within %s\n", attribute["name"].dump().c_str(),
-      attribute["type"].get<std::string>().c_str(), attribute["components"].dump().c_str(),
-      attribute["maximumError"].dump().c_str());
+    std::printf("attribute     %s: %s x %s, to within %s\n", Dump(attribute["name"]).c_str(),
+      attribute["type"].get<std::string>().c_str(), Dump(attribute["components"]).c_str(),
+      Dump(attribute["maximumError"]).c_str());
   }
   for (const Json& isovalue : told["isovalues"])
   {
-    PrintTotals("isovalue " + isovalue["isovalue"].dump(), isovalue);
+    PrintTotals("isovalue " + Dump(isovalue["isovalue"]), isovalue);
   }
   if (told.contains("preview"))
   {
@@ -203,7 +209,7 @@ Status RunEdgeIndexInfo(const EdgeIndexOptions& options)
   const Json told = Describe(**file);
   if (options.IsJson)
   {
-    std::printf("%s\n", told.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    std::printf("%s\n", Dump(told, 2).c_str());
   }
   else
   {

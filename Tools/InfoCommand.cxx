@@ -373,7 +373,7 @@ Status RunInfoCommand(const BlockVolumeOptions& options)
   ISOSURFACE_RETURN_IF_ERROR(told.GetStatus());
   if (options.IsJson)
   {
-    std::printf("%s\n", told->dump(2).c_str());
+    std::printf("%s\n", told->dump(2, ' ', false, Json::error_handler_t::replace).c_str());
     return Status::Ok();
   }
   return Print(**volume, *told, options.WithSpectrum);

@@ -299,6 +299,12 @@ class InfoTellsWhatIndependentReadersFind(Case):
             self.assertAlmostEqual(balance["worst"], ratios[-1])
             self.assertAlmostEqual(balance["median"], ratios[len(ratios) // 2])
 
+    def test_a_name_that_is_not_utf8(self):
+        path = self.write(os.path.join(INPUTS, "a.mhd"), os.fsdecode(b"n\xff.bvol"), "--quiet")
+        code, out, err = run("--info", path, "--json")
+        self.assertEqual((code, err), (0, ""))
+        self.assertEqual(json.loads(out)["file"], path.replace(os.fsdecode(b"\xff"), "\ufffd"))
+
     def test_text(self):
         path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "3")
         code, out, err = run("--info", path, ranks=2)

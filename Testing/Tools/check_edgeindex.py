@@ -17,6 +17,8 @@ import sys
 import unittest
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Readers"))
+from read_interval_tree import hash64  # noqa: E402  (found in a folder beside this one)
 from time_limits import WAIT_SECONDS  # noqa: E402  (found in the folder above)
 
 TOOL, FILES, SCRATCH, CLAIM = sys.argv[1:5]
@@ -209,6 +211,27 @@ class InfoTellsWhatIsThere(unittest.TestCase):
         self.assertEqual(code, 0)
         for word in ("dimensions", "bounded, to within", "bits a point"):
             self.assertIn(word, out)
+
+    def test_names_that_are_not_utf8(self):
+        code, out, _ = run("info", golden("normals.eix"), "--json")
+        told = json.loads(out)
+        names = [told["array"], told["source"], *(one["name"] for one in told["attributes"])]
+        self.assertGreater(len(names), 2)
+        with open(golden("normals.eix"), "rb") as file:
+            data = file.read()
+        header = data[: struct.unpack_from("<I", data, 12)[0] - 8]
+        for name in map(str.encode, names):
+            size = struct.pack("<I", len(name))
+            self.assertIn(size + name, header)
+            header = header.replace(size + name, size + b"\xff" * len(name))
+        path = os.fsdecode(scratch("").encode() + b"name-\xff.eix")
+        with open(path, "wb") as file:
+            file.write(header + struct.pack("<Q", hash64(header)))
+        for arguments in (["info", path], ["info", path, "--json"]):
+            result = subprocess.run([TOOL, *arguments], capture_output=True, timeout=WAIT_SECONDS)
+            self.assertEqual((result.returncode, result.stderr), (0, b""))
+            for name in names:
+                self.assertIn(('"' + "\ufffd" * len(name) + '"').encode(), result.stdout)
 
     def test_what_is_missing(self):
         with open(golden("bounded.eix"), "rb") as file:
