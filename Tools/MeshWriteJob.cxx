@@ -112,6 +112,7 @@ Status MeshWriteJob::WritePiece(
   request.Normals = this->HasNormals;
   const auto surface = this->File.Read(selection, request, this->Chosen.Threads, progress);
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  this->Shared.Begin(piece);
   // A piece has the share of the triangles that it has of the points.
   const bool isSimplified = this->Chosen.NumberOfTriangles > 0;
   const double aimOfPiece = static_cast<double>(this->Chosen.NumberOfTriangles) *
@@ -141,26 +142,25 @@ Status MeshWriteJob::WritePiece(
       const auto aim = static_cast<std::size_t>(aimOfPiece *
         static_cast<double>(part.NumberOfCells) / static_cast<double>(surface->NumberOfTriangles));
       ISOSURFACE_RETURN_IF_ERROR(
-        this->WritePart(piece, mesh, isSimplified ? aim : mesh.NumberOfTriangles, output));
+        this->WritePart(mesh, isSimplified ? aim : mesh.NumberOfTriangles, output));
     }
   }
   return Status::Ok();
 }
 
-Status MeshWriteJob::WritePart(
-  const SurfacePiece& piece, const Mesh& mesh, std::size_t triangles, MeshFile& output)
+Status MeshWriteJob::WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output)
 {
   const bool isSimplified = triangles < mesh.NumberOfTriangles;
   if (!isSimplified && (output.HoldsAnyValue() || AreNumbers(mesh)))
   {
     this->NumberOfTriangles += mesh.NumberOfTriangles;
-    return output.Append(mesh, this->Shared.Number(mesh, piece));
+    return output.Append(mesh, this->Shared.Number(mesh));
   }
   const SimplifiedMesh simplified(mesh, triangles);
   const Mesh kept = simplified.Get();
   this->NumberOfTriangles += kept.NumberOfTriangles;
   return kept.NumberOfTriangles == 0 ? Status::Ok()
-                                     : output.Append(kept, this->Shared.Number(kept, piece));
+                                     : output.Append(kept, this->Shared.Number(kept));
 }
 
 } // namespace isosurface

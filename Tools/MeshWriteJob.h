@@ -39,8 +39,7 @@ private:
   std::vector<SurfacePiece> FindPieces() const;
   Status WritePiece(const SurfacePiece& piece, MeshFile& output, const Progress& progress);
   /// Simplifies a mesh to about so many triangles, if it has more, and writes it.
-  Status WritePart(
-    const SurfacePiece& piece, const Mesh& mesh, std::size_t triangles, MeshFile& output);
+  Status WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output);
 
   const EdgeIndexFile& File;
   Settings Chosen;

@@ -31,10 +31,6 @@ struct GridEdge
 
 void SharedPoints::Begin(const SurfacePiece& piece)
 {
-  if (piece.Box == this->Box)
-  {
-    return; // another isovalue
-  }
   this->Box = piece.Box;
   this->Row = std::exchange(this->NextRow, {});
   if (piece.BeginsLayer)
@@ -44,9 +40,8 @@ void SharedPoints::Begin(const SurfacePiece& piece)
   }
 }
 
-PointNumbers SharedPoints::Number(const Mesh& mesh, const SurfacePiece& piece)
+PointNumbers SharedPoints::Number(const Mesh& mesh)
 {
-  this->Begin(piece);
   PointNumbers numbers{ std::vector<std::uint64_t>(mesh.NumberOfPoints), this->NumberOfPoints };
   for (std::size_t point = 0; point < mesh.NumberOfPoints; ++point)
   {
@@ -58,21 +53,21 @@ PointNumbers SharedPoints::Number(const Mesh& mesh, const SurfacePiece& piece)
       const auto found = known.find(id);
       number = found == known.end() ? number : found->second;
     };
-    if (edge.IsInPlane(2, piece.Box.Low[2]))
+    if (edge.IsInPlane(2, this->Box.Low[2]))
     {
       find(this->Layer);
     }
-    if (edge.IsInPlane(1, piece.Box.Low[1]))
+    if (edge.IsInPlane(1, this->Box.Low[1]))
     {
       find(this->Row);
     }
     this->NumberOfPoints += number == this->NumberOfPoints ? 1 : 0;
     numbers.Values[point] = number;
-    if (edge.IsInPlane(2, piece.Box.High[2] - 1))
+    if (edge.IsInPlane(2, this->Box.High[2] - 1))
     {
       this->NextLayer[id] = number;
     }
-    if (edge.IsInPlane(1, piece.Box.High[1] - 1))
+    if (edge.IsInPlane(1, this->Box.High[1] - 1))
     {
       this->NextRow[id] = number;
     }

@@ -28,16 +28,18 @@ public:
 
   std::uint64_t GetNumberOfPoints() const { return this->NumberOfPoints; }
 
-  PointNumbers Number(const Mesh& mesh, const SurfacePiece& piece);
+  /// To be called for every piece, in their order, even if nothing of it is kept.
+  void Begin(const SurfacePiece& piece);
+
+  /// Of a mesh of the piece that was begun.
+  PointNumbers Number(const Mesh& mesh);
 
 private:
   using Numbers = std::unordered_map<std::int64_t, std::uint64_t>;
 
-  void Begin(const SurfacePiece& piece);
-
   Index3 Dimensions;
   std::uint64_t NumberOfPoints = 0;
-  VertexBox Box; ///< of the last piece
+  VertexBox Box; ///< of the piece
   Numbers Layer; ///< points at the end of the layer before
   Numbers NextLayer;
   Numbers Row; ///< points at the end of the piece before, in this layer
