@@ -11,6 +11,7 @@
 #include "vtkXMLPolyDataWriter.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
+#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
 #include "Ground/Base/ParallelFor.h"
 #include "SurfacePolyData.h"
 
@@ -45,9 +46,9 @@ Status RunWriter(Writer* writer, vtkPolyData* surface, const std::string& path)
   return Status::Ok();
 }
 
-Status WritePolyData(vtkPolyData* surface, const std::string& path)
+Status WritePolyData(vtkPolyData* surface, const std::string& path, bool isObj)
 {
-  if (FindEnding(path) == ".obj")
+  if (isObj)
   {
     vtkNew<vtkOBJWriter> writer;
     return RunWriter(writer.Get(), surface, path);
@@ -56,22 +57,21 @@ Status WritePolyData(vtkPolyData* surface, const std::string& path)
   return RunWriter(writer.Get(), surface, path);
 }
 
-/// Writes to a temporary name first, so that an incomplete file is never taken for a complete one.
+/// Writes to a temporary name first, as writers of edge-index files do, so that an incomplete file is
+/// never taken for a complete one.
 Status WriteInOneStep(
   const std::string& path, const std::function<Status(const std::string&)>& write)
 {
-  // VTK's writers need the extension of the format.
-  const std::string ending = FindEnding(path);
-  const std::string partial = path.substr(0, path.size() - ending.size()) + ".part" + ending;
+  const std::string partial = EdgeIndexFileWriter::GetPartialPath(path);
   FileSystem& files = GetLocalFileSystem();
-  ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "write"));
-  ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(partial, "write"));
+  auto lock = LockEdgeIndexFile(files, path);
+  ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
   Status status = write(partial);
   if (status.IsOk())
   {
-    status = files.Rename(partial, path);
+    status = PutEdgeIndexFileInPlace(files, path, *lock);
   }
-  if (!status.IsOk())
+  if (*lock)
   {
     static_cast<void>(files.RemoveAll(partial));
   }
@@ -159,8 +159,9 @@ Status DecodeAtOnce(const EdgeIndexFile& file, const EdgeIndexOptions& options, 
   vtkNew<vtkPolyData> polyData;
   MoveToPolyData(
     *surface, ListArrays(file.GetHeader(), options.IsPreview), file.GetHeader().Array, polyData);
+  const bool isObj = FindEnding(options.Output) == ".obj";
   return WriteInOneStep(
-    options.Output, [&](const std::string& path) { return WritePolyData(polyData, path); });
+    options.Output, [&](const std::string& path) { return WritePolyData(polyData, path, isObj); });
 }
 
 /// Decodes and writes the surface piece by piece.
@@ -174,9 +175,9 @@ Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options,
   settings.IsCompressed = options.IsCompressed;
   MeshWriteJob job(file, settings);
   ProgressDisplay display(file.GetPath(), static_cast<double>(file.GetSize()), !options.IsQuiet);
-  const auto write = [&](const std::string& path)
+  const auto write = [&](const std::string& partial)
   {
-    ISOSURFACE_RETURN_IF_ERROR(job.Write(path, display.GetProgress()));
+    ISOSURFACE_RETURN_IF_ERROR(job.Write(options.Output, partial, display.GetProgress()));
     return job.GetNumberOfTriangles() == 0 ? MakeEmptyError(options) : Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(WriteInOneStep(options.Output, write));

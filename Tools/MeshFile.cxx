@@ -66,7 +66,7 @@ Result<std::unique_ptr<MeshFile>> MeshFile::Create(
   FileSystem& files, const EdgeIndexHeader& header, const Settings& settings)
 {
   ISOSURFACE_RETURN_IF_ERROR(CheckLimits(settings));
-  auto file = files.CreateForWriting(settings.Path);
+  auto file = files.CreateForWriting(settings.Partial);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   if (EndsIn(settings.Path, ".stl"))
   {

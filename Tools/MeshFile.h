@@ -41,7 +41,8 @@ class MeshFile
 public:
   struct Settings
   {
-    std::string Path;
+    std::string Path;            ///< its end names the format
+    std::string Partial;         ///< where the file is written
     std::size_t MostMeshes = 0;  ///< that will be appended
     bool HasNormals = false;     ///< every mesh has them
     bool IsCompressed = false;   ///< only of .glb
@@ -53,8 +54,7 @@ public:
   static std::uint64_t EstimateBytes(const Settings& settings);
   /// Unsupported if the format certainly has no room for so many points and triangles.
   static Status CheckLimits(const Settings& settings);
-  /// The file of the format that the end of the path names: .stl, .ply or .glb. `header` must
-  /// outlive it.
+  /// A file of the format: .stl, .ply or .glb. `header` must outlive it.
   static Result<std::unique_ptr<MeshFile>> Create(
     FileSystem& files, const EdgeIndexHeader& header, const Settings& settings);
   /// Whether Create() knows the format.

@@ -57,7 +57,8 @@ std::vector<SurfacePiece> MeshWriteJob::FindPieces() const
     this->File, std::min(MostPoints, (bytes > ProcessBytes ? bytes - ProcessBytes : 1) / point));
 }
 
-Status MeshWriteJob::Write(const std::string& path, const Progress& progress)
+Status MeshWriteJob::Write(
+  const std::string& path, const std::string& partial, const Progress& progress)
 {
   const std::vector<SurfacePiece> pieces = this->FindPieces();
   this->PointsInAll = 0;
@@ -68,6 +69,7 @@ Status MeshWriteJob::Write(const std::string& path, const Progress& progress)
   const EdgeIndexHeader& header = this->File.GetHeader();
   MeshFile::Settings settings;
   settings.Path = path;
+  settings.Partial = partial;
   settings.MostMeshes = pieces.size() * header.Isovalues.size();
   settings.HasNormals = this->HasNormals;
   settings.IsCompressed = this->Chosen.IsCompressed;

@@ -29,8 +29,9 @@ public:
   /// `file` must outlive the job.
   MeshWriteJob(const EdgeIndexFile& file, const Settings& settings);
 
-  /// Writes the file at `path`. Errors: those of EdgeIndexFile::Read() and MeshFile.
-  Status Write(const std::string& path, const Progress& progress);
+  /// Writes the file that is to be at `path` at `partial`. Errors: those of EdgeIndexFile::Read() and
+  /// MeshFile.
+  Status Write(const std::string& path, const std::string& partial, const Progress& progress);
 
   std::uint64_t GetNumberOfPoints() const { return this->Shared.GetNumberOfPoints(); }
   std::uint64_t GetNumberOfTriangles() const { return this->NumberOfTriangles; }

@@ -64,7 +64,7 @@ Status Copy(const RandomAccessFile& from, WritableFile& to)
 Result<std::unique_ptr<MeshFile>> PlyFile::Create(
   FileSystem& files, std::unique_ptr<WritableFile> file, const Settings& settings)
 {
-  auto faces = files.CreateForWriting(settings.Path + ".faces");
+  auto faces = files.CreateForWriting(settings.Partial + ".faces");
   ISOSURFACE_RETURN_IF_ERROR(faces.GetStatus());
   std::unique_ptr<PlyFile> mesh(
     new PlyFile(files, std::move(file), std::move(*faces), settings.HasNormals));

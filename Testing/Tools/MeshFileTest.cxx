@@ -56,6 +56,7 @@ MeshFile::Settings MakeSettings(const std::string& path, std::uint64_t points)
 {
   MeshFile::Settings settings;
   settings.Path = path;
+  settings.Partial = path;
   settings.MostMeshes = 1;
   settings.Points = points;
   settings.Triangles = 2 * points;

@@ -7,6 +7,7 @@ FILES are the golden files of the format; what they hold is told in Testing/Data
 import collections
 import ctypes
 import ctypes.util
+import fcntl
 import json
 import math
 import os
@@ -306,6 +307,61 @@ class DecodeWritesTriangles(unittest.TestCase):
         self.assertEqual(code, 0, err)
         self.assertIn("warning", err)
         self.assertGreater(len(read_ply(scratch("cut.ply"))[1]), 0)
+
+
+class OutputIsReplacedInOneStep(unittest.TestCase):
+    OUTPUTS = ("out.ply", "out.stl", "out.glb", "out.vtp", "out.obj")
+
+    def setUp(self):
+        for name in os.listdir(SCRATCH):
+            os.remove(scratch(name))
+
+    def fill(self, name, data=b"of the user"):
+        with open(scratch(name), "wb") as file:
+            file.write(data)
+        return data
+
+    def read(self, name):
+        with open(scratch(name), "rb") as file:
+            return file.read()
+
+    def test_files_beside_it_stay(self):
+        mine = self.fill("out.part.ply"), self.fill("out.part.ply.faces"), self.fill("out.part.vtp")
+        with open(golden("bounded.eix"), "rb") as file:
+            damaged = bytearray(file.read())
+        damaged[len(damaged) // 2] ^= 4
+        self.fill("damaged.eix", damaged)
+        for name in self.OUTPUTS:
+            for source, expected in ((golden("bounded.eix"), 0), ("damaged.eix", 1)):
+                with self.subTest(name=name, source=source):
+                    self.assertEqual(run("decode", source, name, "--quiet")[0], expected)
+        left = {"damaged.eix", "out.part.ply", "out.part.ply.faces", "out.part.vtp", *self.OUTPUTS}
+        self.assertEqual(set(os.listdir(SCRATCH)), left)
+        self.assertEqual(mine, tuple(map(self.read, ("out.part.ply", "out.part.ply.faces", "out.part.vtp"))))
+
+    def test_a_second_writer_fails_and_changes_nothing(self):
+        for name in self.OUTPUTS:
+            with self.subTest(name=name):
+                older, partial = self.fill(name), self.fill(name + ".part", b"of the first")
+                with open(scratch(name + ".part"), "rb") as first:
+                    fcntl.flock(first, fcntl.LOCK_EX)
+                    code, _, err = run("decode", golden("bounded.eix"), name, "--quiet")
+                self.assertEqual(code, 1)
+                self.assertEqual(err, f"edgeindex: {name}.part: cannot be locked: another program is "
+                                      "writing there\n")
+                self.assertEqual((self.read(name), self.read(name + ".part")), (older, partial))
+
+    def test_what_a_killed_run_has_left_is_removed(self):
+        for name in self.OUTPUTS:
+            with self.subTest(name=name):
+                self.assertEqual(run("decode", golden("bounded.eix"), name, "--quiet"), (0, "", ""))
+                expected = self.read(name)
+                self.fill(name + ".part", b"left" * 1000000)
+                if name == "out.ply":
+                    self.fill(name + ".part.faces")
+                self.assertEqual(run("decode", golden("bounded.eix"), name, "--quiet"), (0, "", ""))
+                self.assertEqual(self.read(name), expected)
+        self.assertEqual(sorted(os.listdir(SCRATCH)), sorted(self.OUTPUTS))
 
 
 class PiecesAreOneSurface(unittest.TestCase):
