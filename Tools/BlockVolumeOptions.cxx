@@ -33,7 +33,7 @@ constexpr const char* Footer = R"(IN is one of:
   a folder or .dcm          a DICOM series, slice by slice; folder:UID chooses one
   any file --dimensions     samples without a header: read slab by slab. The same in the name:
                             FILE:512x512x300,uint16[,big-endian][,header-bytes=128]
-  .vti .vtr .vtk .png ...   formats of VTK's readers; some always read the whole file (user guide)
+  .vti .vtr .vtk .png ...   formats of VTK's readers; some always read the whole file
 
 Examples:
   blockvolume head.mhd head.bvol
@@ -172,7 +172,7 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     "Default: all numeric point arrays, with any number of components");
   app.add_flag("--in-place", options.IsInPlace,
     "Write no samples at full resolution: queries decode those of IN, which has to stay. For\n"
-    "all formats but gzip streams");
+    "all formats but gzip streams and those of VTK's readers");
   app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points");
   app.add_flag("--append", settings.Append,
     "Add IN to the time steps of OUT.bvol; it must have the same grid, arrays and options");
@@ -240,7 +240,7 @@ void AddSandboxOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->needs(sandbox);
   app
     .add_option("--sandbox-seconds", options.SandboxSeconds,
-      "Processor time of that process, until it comes forward")
+      "Seconds of processor time that it may take without progress")
     ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
     ->capture_default_str()
     ->needs(sandbox);
@@ -288,7 +288,8 @@ Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)
     const double size = (*dimensions)[axis];
     if (size < 1 || size > 2147483647 || size != static_cast<double>(static_cast<long>(size)))
     {
-      return MakeError("--dimensions", "\"" + texts.Dimensions + "\" is impossible");
+      return MakeError("--dimensions",
+        "\"" + texts.Dimensions + "\": not three whole numbers from 1 to 2147483647");
     }
     raw.Grid.Extent[2 * axis] = 0;
     raw.Grid.Extent[2 * axis + 1] = static_cast<std::int64_t>(size) - 1;
@@ -296,7 +297,9 @@ Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)
   const auto type = FindValueType(texts.Type);
   if (!type)
   {
-    return MakeError("--type", "\"" + texts.Type + "\" is unknown");
+    return MakeError("--type",
+      "\"" + texts.Type +
+        "\": none of int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64");
   }
   if (texts.Name.empty())
   {
@@ -321,7 +324,8 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
   const auto distribution = FindDistribution(texts.Distribution);
   if (!distribution)
   {
-    return MakeError("--distribution", "\"" + texts.Distribution + "\" is unknown");
+    return MakeError("--distribution",
+      "\"" + texts.Distribution + "\": neither greedy, balanced, random nor slab");
   }
   options.Settings.Distribution = *distribution;
   const auto compression = ParseCompression(texts.Compression);

@@ -61,7 +61,8 @@ int main(int argc, char** argv)
   }
   catch (const std::bad_alloc&)
   {
-    return Fail("out of memory");
+    return Fail("out of memory; .ply, .stl and .glb take less than .vtp and .obj, with a smaller "
+                "--memory still less");
   }
   catch (const std::exception& error)
   {

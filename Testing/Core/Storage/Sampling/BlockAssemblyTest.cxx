@@ -111,7 +111,7 @@ TEST(BlockAssembly, LevelWithinALimitIsTheFinestThatFits)
   for (const int pieces : { 1, 2, 3, 4, 7, 20 })
   {
     std::vector<std::uint64_t> bytes; // of the largest piece, by level
-    for (int level = 0; level < 3; ++level)
+    for (int level = 0; level < volume->GetNumberOfLevels(); ++level)
     {
       const StoredLevel stored = volume->FindLevel(level);
       std::int64_t layers = 0; // of blocks
