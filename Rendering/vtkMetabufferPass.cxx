@@ -3,6 +3,7 @@
 #include "vtkMetabufferPass.h"
 
 #include "ControllerCommunicator.h"
+#include "DepthSharing.h"
 #include "Ground/Base/Fingerprint.h"
 #include "IceTCompositor.h"
 #include "Ranks/Compositing/FramePlanner.h"
@@ -10,7 +11,6 @@
 #include "Ranks/Compositing/ViewportCompositor.h"
 #include "Ranks/Compositing/ViewportOutlines.h"
 #include "SceneProjection.h"
-#include "Surface/Drawing/SharedDepths.h"
 #include "ViewportDrawing.h"
 
 #include "vtkFloatArray.h"
@@ -99,14 +99,9 @@ public:
   Status AgreeToDraw(const vtkMetabufferPass& pass, bool isReady) const;
   /// Agrees on the viewports of all ranks.
   void PlanFrame(const vtkMetabufferPass& pass, const vtkRenderState* state);
-  /// Whether this rank can share depths in the next frame, of which it would draw the viewport.
-  bool BeginSharing(
-    const vtkMetabufferPass& pass, const vtkRenderState* state, const Viewport& viewport);
   /// Draws this rank's viewport, reads it back, and upsamples it if the pass does. An error of one
   /// rank is one of all.
   Status Draw(const vtkMetabufferPass& pass, const vtkRenderState* state, ImageView& image);
-  /// Draws this rank's viewport, and tells other ranks' depths to the mappers that want them.
-  Status DrawViewport(const vtkMetabufferPass& pass, const vtkRenderState* state);
   /// Brings the image to full resolution if SmoothUpsampling asks for it.
   void Upsample(const vtkMetabufferPass& pass, ImageView& image);
   /// Takes the memory that merging needs on this rank.
@@ -133,8 +128,7 @@ private:
   Status MergeByDirectSend(
     vtkMetabufferPass& pass, const std::vector<Viewport>& viewports, const ImageView& image);
 
-  isosurface::SharedDepths Shared; ///< of the last frame for which this rank could
-  bool CanShare = false;           ///< in the last frame
+  isosurface::DepthSharing Sharing;
   isosurface::ViewportCompositor DirectSend;
   isosurface::IceTCompositor IceT;
   isosurface::ImageBuffer Smooth; ///< this rank's image, upsampled
@@ -180,8 +174,8 @@ void vtkMetabufferPass::Internals::PlanFrame(
   mine.LastSeconds = this->LastSeconds;
   mine.Budget = pass.FrameTimeBudget;
   mine.WantsDepths = pass.CollectDepths || pass.DisplayDepthResults;
-  mine.WantsSharedDepths = this->Shared.IsWanted();
-  mine.CanShareDepths = this->CanShare = this->BeginSharing(pass, state, mine.Choices.front());
+  const bool hasOthers = pass.Controller->GetNumberOfProcesses() > 1;
+  this->Sharing.Begin(state, extent, pass.ShareDepths && hasOthers, mine);
   isosurface::ControllerCommunicator communicator(pass.Controller);
   this->Plan = this->Planner.Plan(communicator, mine, extent);
 }
@@ -191,7 +185,10 @@ Status vtkMetabufferPass::Internals::Draw(
 {
   const Viewport& viewport = this->GetViewport(pass);
   this->DrawnPixels = viewport.Blocks.GetArea();
-  Status drawn = this->DrawViewport(pass, state);
+  isosurface::ControllerCommunicator communicator(pass.Controller);
+  const auto draw = [&]
+  { return this->Drawing.Draw(state, pass.RenderPass, this->Display.GetExtent(), viewport); };
+  Status drawn = this->Sharing.Draw(communicator, this->Plan, draw);
   if (drawn.IsOk())
   {
     const double begin = vtkTimerLog::GetUniversalTime();
@@ -205,50 +202,7 @@ Status vtkMetabufferPass::Internals::Draw(
         return Status::Ok();
       });
   }
-  isosurface::ControllerCommunicator communicator(pass.Controller);
   return communicator.Agree(drawn);
-}
-
-bool vtkMetabufferPass::Internals::BeginSharing(
-  const vtkMetabufferPass& pass, const vtkRenderState* state, const Viewport& viewport)
-{
-  const PixelRectangle extent = this->Display.GetExtent();
-  const PixelRectangle& part = viewport.Blocks;
-  return pass.ShareDepths && pass.Controller->GetNumberOfProcesses() > 1 &&
-    isosurface::Attempt("depths cannot be shared",
-      [&]
-      {
-        this->Shared.Begin(extent.Width, extent.Height,
-          { part.X, part.GetRight(), part.Y, part.GetTop() }, isosurface::FindLastMapper(state));
-        return Status::Ok();
-      })
-      .IsOk();
-}
-
-Status vtkMetabufferPass::Internals::DrawViewport(
-  const vtkMetabufferPass& pass, const vtkRenderState* state)
-{
-  isosurface::ControllerCommunicator communicator(pass.Controller);
-  if (this->Plan.SharesDepths)
-  {
-    this->Shared.Connect(
-      [&communicator](std::vector<std::uint64_t>& depths)
-      {
-        return isosurface::RunCollective("depths cannot be shared",
-          [&]
-          {
-            communicator.ReduceMaximum(depths);
-            return Status::Ok();
-          })
-          .IsOk();
-      });
-  }
-  isosurface::SharedDepths::SetCurrent(this->CanShare ? &this->Shared : nullptr);
-  Status drawn =
-    this->Drawing.Draw(state, pass.RenderPass, this->Display.GetExtent(), this->GetViewport(pass));
-  isosurface::SharedDepths::SetCurrent(nullptr);
-  this->Shared.End();
-  return drawn;
 }
 
 void vtkMetabufferPass::Internals::Upsample(const vtkMetabufferPass& pass, ImageView& image)

@@ -99,7 +99,8 @@ void vtkMetabufferRenderView::AboutToRenderOnLocalProcess(bool interactive)
   if (vtkMetabufferPass* pass = this->GetPass())
   {
     pass->SetFrameTimeBudget(hasBudget ? this->FrameTimeBudget : 0);
-    if (hasBudget && !this->GetUseOrderedCompositing() && !this->GetRenderEmptyImages())
+    if (hasBudget && !this->GetUseOrderedCompositing() && !this->GetRenderEmptyImages() &&
+      !this->GetRenderer()->GetUseSSAO())
     {
       // Viewports are used, and the stock view would lower the resolution of all ranks as well.
       this->SynchronizedRenderers->SetImageReductionFactor(1);

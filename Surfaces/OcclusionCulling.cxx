@@ -166,8 +166,8 @@ bool OcclusionCulling::Conditions::operator==(const Conditions& other) const
 {
   return this->ModelToClip == other.ModelToClip && this->ModelToWorld == other.ModelToWorld &&
     this->Viewport == other.Viewport && this->Changed == other.Changed &&
-    this->Properties == other.Properties && this->ClippingPlanes == other.ClippingPlanes &&
-    this->ColorsBefore == other.ColorsBefore && this->DepthsBefore == other.DepthsBefore;
+    this->ClippingPlanes == other.ClippingPlanes && this->ColorsBefore == other.ColorsBefore &&
+    this->DepthsBefore == other.DepthsBefore;
 }
 
 OcclusionCulling::Conditions OcclusionCulling::FindConditions(
@@ -178,7 +178,6 @@ OcclusionCulling::Conditions OcclusionCulling::FindConditions(
   std::memcpy(found.ModelToWorld.data(), actor->GetMatrix()->GetData(), sizeof(found.ModelToWorld));
   glGetIntegerv(GL_VIEWPORT, found.Viewport.data());
   found.Changed = std::max(changed, FindChange(renderer, actor));
-  found.Properties = { actor->GetProperty(), actor->GetBackfaceProperty() };
   found.ClippingPlanes = FindClippingPlanes(this->Mapper);
   ReadColors(found.Viewport, found.ColorsBefore);
   ReadDepths(found.Viewport, found.DepthsBefore);
@@ -198,11 +197,10 @@ void OcclusionCulling::Take(const TriangleMeasure& measure)
 void OcclusionCulling::Draw(vtkRenderer* renderer, vtkActor* actor, vtkMapper* mapper,
   vtkMTimeType changed, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw)
 {
-  // Of stereo images, each would end what is saved of the other.
-  DrawingBudget* budget =
-    SavedImage::IsPossible() && !renderer->GetRenderWindow()->GetStereoRender()
-    ? DrawingBudget::GetCurrent()
-    : nullptr;
+  // Of stereo images, each would end what is saved of the other. What other ranks hide may appear.
+  const bool mayStop = SavedImage::IsPossible() &&
+    !renderer->GetRenderWindow()->GetStereoRender() && !SharedDepths::GetCurrent();
+  DrawingBudget* budget = mayStop ? DrawingBudget::GetCurrent() : nullptr;
   if (budget && !budget->IsFinished())
   {
     return; // the image before this surface is not that of the next time

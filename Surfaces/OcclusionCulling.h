@@ -37,7 +37,7 @@ namespace isosurface
  *
  * With SharedDepths it also leaves out what is behind the triangles of other ranks.
  *
- * Within a DrawingBudget it stops when the time is over, and goes on in the next image, where it was, if
+ * Within a DrawingBudget, unless depths are shared, it stops when the time is over, and goes on in the next image, where it was, if
  * nothing has changed: the view, what was drawn before the surface, and how it looks.
  */
 class OcclusionCulling
@@ -89,9 +89,8 @@ private:
     std::array<double, 16> ModelToWorld{};
     std::array<int, 4> Viewport{};
     vtkMTimeType Changed = 0; ///< the surface, its look, or the light
-    std::array<const void*, 2> Properties{};
     std::vector<double> ClippingPlanes;
-    Colors ColorsBefore;      ///< without the surface, as the next
+    Colors ColorsBefore; ///< without the surface, as the next
     std::vector<float> DepthsBefore;
 
     bool operator==(const Conditions& other) const;

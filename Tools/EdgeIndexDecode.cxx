@@ -66,7 +66,7 @@ Status WriteInOneStep(
   FileSystem& files = GetLocalFileSystem();
   auto lock = LockEdgeIndexFile(files, path);
   ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
-  Status status = write(partial);
+  Status status = Attempt(path, [&] { return write(partial); });
   if (status.IsOk())
   {
     status = PutEdgeIndexFileInPlace(files, path, *lock);

@@ -397,5 +397,5 @@ PYBIND11_MODULE(_core, module)
     .def("set", &SetSettings, "block_size"_a, "stores"_a, "replicas"_a, "codec"_a, "codec_level"_a,
       "time"_a, "append"_a, "memory"_a, "threads"_a)
     .def("write_arrays", &WriteArrayLikes, "arrays"_a, "chunk"_a)
-    .def("write_file", &VolumeWriting::WriteFile, "file"_a, "step"_a);
+    .def("write_file", &VolumeWriting::WriteFile, "file"_a, "times"_a);
 }

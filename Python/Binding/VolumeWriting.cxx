@@ -9,10 +9,12 @@ namespace isosurface
 {
 
 template <typename OpenT>
-void VolumeWriting::Write(const std::vector<ArrayDescription>& arrays, const OpenT& open,
+void VolumeWriting::WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings settings,
+  const std::vector<ArrayDescription>& arrays, const OpenT& open,
   const std::function<void()>& rethrow) const
 {
   SignalWatch watch;
+  settings.Warn = [&watch](const std::string& warning) { watch.Warn(warning); };
   Status status;
   {
     const pybind11::gil_scoped_release released;
@@ -21,11 +23,7 @@ void VolumeWriting::Write(const std::vector<ArrayDescription>& arrays, const Ope
       {
         const auto source = open();
         ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-        BlockedVolumeSettings settings = this->Settings;
-        settings.Warn = [&watch](const std::string& warning) { watch.Warn(warning); };
-        SerialCommunicator alone;
-        return BlockedVolumeWriter(alone)
-          .Write(this->Path, this->Grid, arrays, **source, settings, watch.GetProgress())
+        return writer.Write(this->Path, this->Grid, arrays, **source, settings, watch.GetProgress())
           .GetStatus();
       });
   }
@@ -43,14 +41,26 @@ void VolumeWriting::WriteArrays(const std::vector<std::string>& names,
     descriptions.push_back({ names[n], arrays[n].Type, arrays[n].Components });
   }
   ArrayLikeSource source(arrays, this->Grid.GetDimensions(), chunk);
-  this->Write(
-    descriptions, [&] { return Result<ArrayLikeSource*>(&source); }, [&] { source.Rethrow(); });
+  SerialCommunicator alone;
+  BlockedVolumeWriter writer(alone);
+  const auto open = [&] { return Result<ArrayLikeSource*>(&source); };
+  this->WriteStep(writer, this->Settings, descriptions, open, [&] { source.Rethrow(); });
 }
 
-void VolumeWriting::WriteFile(VolumeFile& file, std::size_t timeStep) const
+void VolumeWriting::WriteFile(
+  VolumeFile& file, const std::vector<std::optional<double>>& times) const
 {
-  this->Write(
-    file.GetArrays(), [&] { return file.OpenSource(timeStep, this->Settings.Threads); }, [] {});
+  SerialCommunicator alone;
+  BlockedVolumeWriter writer(alone);
+  BlockedVolumeSettings settings = this->Settings;
+  for (std::size_t step = 0; step < times.size(); ++step)
+  {
+    settings.Time = times[step];
+    settings.Publish = step + 1 == times.size();
+    const auto open = [&] { return file.OpenSource(step, settings.Threads); };
+    this->WriteStep(writer, settings, file.GetArrays(), open, [] {});
+    settings.Append = true;
+  }
 }
 
 } // namespace isosurface

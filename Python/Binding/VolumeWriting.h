@@ -27,14 +27,16 @@ struct VolumeWriting
   /// Python raises, and errors. Warns of a disk that has no room for it, as WriteFile() does.
   void WriteArrays(const std::vector<std::string>& names, const std::vector<ArrayLike>& arrays,
     const std::optional<Index3>& chunk) const;
-  /// Writes a time step of a file. The GIL is held, and released meanwhile.
-  void WriteFile(VolumeFile& file, std::size_t timeStep) const;
+  /// Writes the time steps of a file, of such times. All become visible with the last one, so that an
+  /// error of any leaves an older volume. The GIL is held, and released meanwhile.
+  void WriteFile(VolumeFile& file, const std::vector<std::optional<double>>& times) const;
 
 private:
-  /// Writes what open() gives a pointer to. The GIL is held, and released meanwhile; rethrow() is called
-  /// with it afterwards, and may throw what the source has raised.
+  /// Writes a time step of what open() gives a pointer to. The GIL is held, and released meanwhile;
+  /// rethrow() is called with it afterwards, and may throw what the source has raised.
   template <typename OpenT>
-  void Write(const std::vector<ArrayDescription>& arrays, const OpenT& open,
+  void WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings settings,
+    const std::vector<ArrayDescription>& arrays, const OpenT& open,
     const std::function<void()>& rethrow) const;
 };
 

@@ -75,8 +75,8 @@ def create(
         for all of its arrays and time steps (see `open`); with several steps it cannot be `path` itself, nor
         a file whose index is `path`. Nor can a `Volume` of such a file, or of one that has other arrays.
     path : str or path
-        Of the volume, ``NAME.bvol``. One that is there is replaced when the new one, or its first time step,
-        is complete; the others are appended one by one.
+        Of the volume, ``NAME.bvol``. One that is there is replaced when the new one is complete, with all of
+        its time steps.
     spacing, origin : sequence of three float, optional
         On x, y, z. If they are not given, those of the file or the `Volume`; else 1 and 0. Of a rectilinear
         grid, origin and direction can be given only with spacing, which makes a regular grid of it.
@@ -149,13 +149,10 @@ def _write_file(
         if time is not None and volume.steps > 1:
             raise ValueError(f"time: {volume.path} has {volume.steps} time steps")
         if volume.steps > 1 and _is_file_of(volume, path):
-            # Its first time step would replace all of it.
             raise ValueError(f"{path}: is its own source, and has several time steps; write another file")
-        for step in range(volume.steps):
-            writing = place.make_writing(path, file.describe(0))
-            own = volume.times[step] if time is None else time
-            writing.set(**settings._asdict(), time=own, append=append or step > 0)
-            writing.write_file(file, step)
+        writing = place.make_writing(path, file.describe(0))
+        writing.set(**settings._asdict(), time=time, append=append)
+        writing.write_file(file, volume.times if time is None else [time])
 
 
 def _write_arrays(

@@ -146,6 +146,26 @@ class Writing(VolumeTest):
         numpy.testing.assert_array_equal(si.open(self.path("run.h5:/data"), 1, axes="tzyx")[...], samples[1])
 
     @unittest.skipUnless(h5py, "there is no h5py")
+    def test_an_error_of_a_later_time_step_leaves_the_older_volume(self):
+        older = make_samples("int16")
+        si.create(older, self.path("v.bvol"), name="data", time=-1)
+        with h5py.File(self.path("damaged.h5"), "w") as file:
+            steps = numpy.stack([older, older + 1])
+            data = file.create_dataset("data", data=steps, chunks=(1, 16, 16, 16), fletcher32=True)
+            chunk = data.id.get_chunk_info(data.id.get_num_chunks() - 1)
+            self.assertEqual(chunk.chunk_offset[0], 1)
+        with open(self.path("damaged.h5"), "r+b") as file:
+            file.seek(chunk.byte_offset)
+            file.write(b"damage")
+        for append in (False, True):
+            with self.assertRaisesRegex(OSError, "damaged.h5"):
+                si.create(self.path("damaged.h5"), self.path("v.bvol"), append=append)
+            kept = si.open(self.path("v.bvol"))
+            self.assertEqual(kept.times, (-1,))
+            numpy.testing.assert_array_equal(kept[...], older)
+            self.assertEqual(os.listdir(self.path("v.bvol.stores")), ["000001"])
+
+    @unittest.skipUnless(h5py, "there is no h5py")
     def test_a_rectilinear_grid_lies_where_its_coordinates_are(self):
         with h5py.File(self.path("lined.nc"), "w") as file:
             for name, size in (("x", 6), ("y", 5), ("z", 4)):

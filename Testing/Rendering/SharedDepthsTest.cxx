@@ -193,6 +193,29 @@ TEST_F(SharedDepthsOnRanks, WhatIsBehindAnotherRanksTrianglesIsNotDrawn)
   EXPECT_GT(this->Draw("not shared"), 0.4);
 }
 
+TEST_F(SharedDepthsOnRanks, SharingGoesOnAfterTheCoarserImagesOfAMovingCamera)
+{
+  this->SetScene(NestedSpheres);
+  this->Draw("first image");
+  this->Draw("second image");
+  const auto setDivisor = [](int divisor)
+  {
+    return [divisor](RankWindow& window)
+    {
+      window.GetPass()->SetNumberOfDivisors(1);
+      window.GetPass()->SetDivisor(0, divisor);
+    };
+  };
+  for (int turn = 0; turn < 2; ++turn)
+  {
+    this->ForBoth(setDivisor(2));
+    this->Draw("coarser");
+    this->Draw("coarser, second image");
+    this->ForBoth(setDivisor(1));
+    EXPECT_LE(this->Draw("at rest"), GetRank() == 0 ? 0.8 : 0) << turn;
+  }
+}
+
 TEST_F(SharedDepthsOnRanks, WhatAppearsIsDrawnAtOnce)
 {
   if (GetNumberOfRanks() == 1)

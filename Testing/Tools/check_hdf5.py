@@ -124,7 +124,7 @@ class TimeStepsAndChannels(SourceCase):
             self.run_tool("--info", "--json", path)[1])["timeSteps"][0]["folder"]])
 
     def test_time_steps_in_place_go_on_after_a_kill(self):
-        steps = numpy.stack([make_samples("int16", phase=step) for step in range(3)])
+        steps = numpy.stack([make_samples("int16", phase=step) for step in range(12)])
         with h5py.File(self.path("k.h5"), "w") as file:
             file.create_dataset("data", data=steps, chunks=(1, 16, 16, 16), compression="gzip")
         expected = self.read_all(self.write("k.h5", "o.bvol", "--in-place"))
@@ -132,11 +132,13 @@ class TimeStepsAndChannels(SourceCase):
         remove_volume(path)
         command = [self.tool, "k.h5", path, "--stores", "3", "--in-place", "--quiet"]
         with subprocess.Popen(command, cwd=self.scratch) as process:
-            while not os.path.exists(path + ".stores/journal") and process.poll() is None:
+            while not os.path.exists(path + ".stores/000002") and process.poll() is None:
                 time.sleep(0.001)
             process.kill()
-        code, _, err = self.run_tool("k.h5", path, "--stores", "3", "--in-place", ranks=2)
+        self.assertFalse(os.path.exists(path))
+        code, out, err = self.run_tool("k.h5", path, "--stores", "3", "--in-place", ranks=2)
         self.assertEqual(code, 0, err)
+        self.assertIn("time step 0 was finished by an earlier run", out)
         self.assertEqual(self.read_all(path), expected)
 
     def append_raw(self, samples, expected, step):

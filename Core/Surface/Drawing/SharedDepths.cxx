@@ -48,14 +48,14 @@ void SharedDepths::Begin(int width, int height, const PixelBox& part, const void
   this->Width = width;
   this->Height = height;
   this->Part = part;
-  this->Last = last;
-  this->Wanted = false;
+  this->Last = nullptr; // until there is memory
   this->ReduceAll = nullptr;
   this->Told.assign(static_cast<std::size_t>(DepthPyramid::CountSquares(width)) *
       static_cast<std::size_t>(DepthPyramid::CountSquares(height)),
     0);
   this->Farthest.clear();
   this->Farthest.reserve(this->Told.size()); // no rank runs out of memory while others wait
+  this->Last = last;
 }
 
 void SharedDepths::Share(const void* mapper, DepthPyramid& drawn)
@@ -64,7 +64,7 @@ void SharedDepths::Share(const void* mapper, DepthPyramid& drawn)
   {
     return;
   }
-  this->Wanted = true;
+  this->Sharer = mapper;
   if (this->ReduceAll)
   {
     this->Tell(drawn.GetSquares());
@@ -74,6 +74,15 @@ void SharedDepths::Share(const void* mapper, DepthPyramid& drawn)
   {
     drawn.BringNearer(this->Farthest);
   }
+}
+
+void SharedDepths::End()
+{
+  if (this->ReduceAll && this->IsWanted())
+  {
+    this->Sharer = nullptr; // it could, and did not
+  }
+  this->ReduceOnce();
 }
 
 void SharedDepths::Tell(const std::vector<float>& squares)

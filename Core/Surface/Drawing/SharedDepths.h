@@ -32,7 +32,7 @@ public:
   static void SetCurrent(SharedDepths* depths);
 
   /// Begins an image, of a size in pixels, of which this rank draws `part`. `last`: the mapper that is
-  /// drawn last, or null. Memory: 12 bytes for each 4 x 4 pixels.
+  /// drawn last, or null. Memory: 12 bytes for each 4 x 4 pixels. If it runs out, nothing is wanted.
   void Begin(int width, int height, const PixelBox& part, const void* last);
   /// Lets the ranks tell each other.
   void Connect(ReduceMaximum reduce) { this->ReduceAll = std::move(reduce); }
@@ -40,10 +40,11 @@ public:
   /// anything. The first time it tells the other ranks of `drawn`: collective after Connect(). Brings
   /// `drawn` nearer where something is in front of it.
   void Share(const void* mapper, DepthPyramid& drawn);
-  /// Whether the last mapper shared, so that it pays to connect the next image.
-  bool IsWanted() const { return this->Wanted; }
+  /// Whether it pays to connect the image: the mapper that is drawn last would share. It has shared
+  /// before, perhaps before images of other sizes or of other mappers, as while the camera moves.
+  bool IsWanted() const { return this->Last && this->Last == this->Sharer; }
   /// Ends the image: collective after Connect(), on ranks that have not shared.
-  void End() { this->ReduceOnce(); }
+  void End();
 
 private:
   void Tell(const std::vector<float>& squares);
@@ -53,8 +54,8 @@ private:
   int Height = 0;
   PixelBox Part;
   const void* Last = nullptr;
-  bool Wanted = false;
-  ReduceMaximum ReduceAll; ///< null if it was called, or is not to be
+  const void* Sharer = nullptr; ///< the mapper that shared when it could last
+  ReduceMaximum ReduceAll;      ///< null if it was called, or is not to be
   /// By square: the bits of the farthest depth, inverted, so that nearer is more; 0: nothing is told.
   std::vector<std::uint64_t> Told;
   std::vector<float> Farthest; ///< by square, of what all ranks told

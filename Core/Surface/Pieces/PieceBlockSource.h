@@ -35,7 +35,7 @@ struct PieceBlockSelection
   std::vector<double> Isovalues;
   isosurface::Region Region;
   const GridLines* Lines = nullptr; ///< of a rectilinear grid; null: of a regular one
-  int BlockSize = 64;     ///< 16, 32 or 64 cells
+  int BlockSize = 64;               ///< 16, 32 or 64 cells
   bool WithLayer = false; ///< whether Available covers a layer around each block, for gradients
 };
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <random>
 #include <vector>
 
@@ -146,6 +147,38 @@ TEST(SharedDepths, RanksThatDrawNothingOrOtherwiseEndTheImageWithTheOthers)
         shared.End();
       }
     });
+}
+
+TEST(SharedDepths, TheMapperThatSharedIsWantedAgainAfterOtherImages)
+{
+  SharedDepths shared;
+  const PixelBox all = { 0, SharedWidth, 0, SharedHeight };
+  DepthPyramid drawn;
+  drawn.Build(std::vector<float>(SharedWidth * SharedHeight, 1), SharedWidth, SharedHeight);
+  const auto draw = [&](const void* last, bool isConnected, const void* mapper)
+  {
+    shared.Begin(SharedWidth, SharedHeight, all, last);
+    const bool wanted = shared.IsWanted();
+    if (isConnected)
+    {
+      shared.Connect([](std::vector<std::uint64_t>&) { return true; });
+    }
+    if (mapper)
+    {
+      shared.Share(mapper, drawn);
+    }
+    shared.End();
+    return wanted;
+  };
+  EXPECT_FALSE(draw(&LastMapper, false, &LastMapper)) << "nothing is known";
+  EXPECT_TRUE(draw(&LastMapper, true, &LastMapper));
+  EXPECT_TRUE(draw(&LastMapper, false, nullptr)) << "but it was coarser";
+  EXPECT_TRUE(draw(&LastMapper, true, &LastMapper));
+  EXPECT_FALSE(draw(&OtherMapper, false, nullptr)) << "a thinned surface";
+  EXPECT_FALSE(draw(nullptr, true, nullptr)) << "other ranks want depths";
+  EXPECT_TRUE(draw(&LastMapper, true, &LastMapper));
+  EXPECT_TRUE(draw(&LastMapper, true, nullptr)) << "it leaves out nothing any more";
+  EXPECT_FALSE(draw(&LastMapper, false, nullptr));
 }
 
 TEST(SharedDepths, WhatAnImageBeforeToldIsForgotten)
