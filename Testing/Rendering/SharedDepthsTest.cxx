@@ -212,6 +212,41 @@ TEST_F(SharedDepthsOnRanks, SharingGoesOnAfterTheCoarserImagesOfAMovingCamera)
     this->Draw("coarser");
     this->Draw("coarser, second image");
     this->ForBoth(setDivisor(1));
+    this->Draw("at rest: begins with what the coarser image needed of this rank");
+    EXPECT_LE(this->Draw("at rest"), GetRank() == 0 ? 0.8 : 0) << turn;
+  }
+}
+
+TEST_F(SharedDepthsOnRanks, SharingGoesOnAfterTheThinnedSurfacesOfAMovingCamera)
+{
+  const Scene thinned = { "nested spheres, also thinned",
+    [](int rank, int ranks)
+    {
+      auto actors = NestedSpheres.Make(rank, ranks);
+      vtkNew<vtkIsosurfaceMapper> mapper;
+      mapper->SetInputDataObject(MakeSphere(rank == 0 ? 0.45 : 0.35 - 0.03 * rank, 4));
+      mapper->ScalarVisibilityOff();
+      vtkPVLODActor::SafeDownCast(actors.front())->SetLODMapper(mapper);
+      return actors;
+    } };
+  this->SetScene(thinned);
+  const auto thin = [this](bool isThinned)
+  {
+    this->ForBoth(
+      [isThinned](RankWindow& window)
+      {
+        vtkActorCollection* actors = window.GetRenderer()->GetActors();
+        vtkPVLODActor::SafeDownCast(actors->GetItemAsObject(0))->SetEnableLOD(isThinned);
+      });
+  };
+  this->Draw("first image");
+  this->Draw("second image");
+  for (int turn = 0; turn < 2; ++turn)
+  {
+    thin(true);
+    this->Draw("thinned");
+    this->Draw("thinned, second image");
+    thin(false);
     EXPECT_LE(this->Draw("at rest"), GetRank() == 0 ? 0.8 : 0) << turn;
   }
 }
