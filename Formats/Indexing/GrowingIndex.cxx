@@ -31,15 +31,18 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   , Collector(this->Sample.Volume && this->Sample.Share < 1
         ? std::make_unique<SampleCollector>(this->Sample.WholeStep)
         : nullptr)
-  , Finished(this->Sample.Volume
-        ? std::make_shared<FinishedLayers>(files, OpenForeignVolume, this->Index.Path)
-        : nullptr)
 {
   if (ranks.GetSize() == 1 && !CanWriteIndex(files, this->Index))
   {
     this->Memory = std::make_shared<MemoryFileSystem>(files, this->Index.Path, memoryBytes);
   }
   FileSystem& place = this->Memory ? *this->Memory : files;
+  if (this->Sample.Volume)
+  {
+    this->Finished = std::shared_ptr<FinishedLayers>(
+      new FinishedLayers(place, OpenForeignVolume, this->Index.Path),
+      [memory = this->Memory](FinishedLayers* layers) { delete layers; });
+  }
   this->Writing = std::make_unique<CollectiveTask>(ranks, this->Index.Source,
     [this, &place, memoryBytes](Communicator& all, const Progress& advance) -> Status
     {

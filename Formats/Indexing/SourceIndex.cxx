@@ -95,22 +95,6 @@ Result<OpenedStep> OpenStep(
   return opened;
 }
 
-/// Has a writer tell which blocks of a time step are finished.
-void TellFinished(OpenedStep& step, FinishedLayers& finished)
-{
-  BlockedVolumeHeader header;
-  header.Grid = step.Volume.Grid;
-  header.Lines = step.Settings.Lines;
-  header.FrameGrid();
-  header.BlockSize = step.Settings.BlockSize;
-  header.NumberOfLevels = 1;
-  header.Arrays = step.Volume.Arrays;
-  header.TimeSteps.emplace_back().Source = step.Settings.InPlace;
-  finished.Begin(std::move(header));
-  step.Settings.WhenFinished = [&finished](const std::vector<std::vector<KeyRange>>& ranges)
-  { finished.Add(ranges); };
-}
-
 } // namespace
 
 SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
@@ -244,9 +228,11 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
       [&]
       {
         auto found = OpenStep(files, index, step, memoryBytes);
-        if (found.IsOk() && finished && step == 0 && found->Settings.InPlace)
+        if (found.IsOk() && finished && step == 0)
         {
-          TellFinished(*found, *finished);
+          found->Settings.WhenFinished = [finished](
+                                           const BlockedVolumeHeader& volume, FinishedBlocks blocks)
+          { finished->Add(volume, std::move(blocks)); };
         }
         if (found.IsOk() && collector && step == 0)
         {

@@ -176,7 +176,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     PutFile(disk, BlockStore::GetTreePath(Folder, variables, variable),
       isSealed ? SealTree(tree, description, variable) : tree);
   }
-  PutFile(disk, BlockStore::GetBlocksPath(Folder), std::move(records));
+  PutFile(disk, StoreRecords::GetPath(Folder), std::move(records));
 
   // The page caches, a record's part and its samples, a query's node.
   const std::size_t edge = static_cast<std::size_t>(header.BlockSize) + 3;

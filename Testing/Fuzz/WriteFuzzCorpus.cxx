@@ -174,7 +174,7 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
   const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
   const ArrayVariables variables({ { "density", type, components } });
   const Bytes& tree = disk.GetFile(BlockStore::GetTreePath(StoreFolder, variables, 0));
-  const Bytes& records = disk.GetFile(BlockStore::GetBlocksPath(StoreFolder));
+  const Bytes& records = disk.GetFile(StoreRecords::GetPath(StoreFolder));
 
   Bytes input = { 1 };
   Append(input, std::uint32_t{ 64 });

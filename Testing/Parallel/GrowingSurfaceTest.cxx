@@ -27,8 +27,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <thread>
+#include <utility>
 
 using namespace isosurface;
 
@@ -85,7 +87,8 @@ protected:
   static constexpr int Growing = 4;
   static constexpr int Ready = 2;
 
-  GrowingSurface()
+  /// An index that is not in place has the samples of the file.
+  explicit GrowingSurface(bool isInPlace = true)
   {
     OnFirstRank(
       [&]
@@ -94,7 +97,7 @@ protected:
         this->WriteSamples(this->OtherSource);
         WriteVolume(this->Sample, this->Folder.GetPath("sample.bvol"));
       });
-    this->WriteIndex();
+    this->WriteIndex(isInPlace);
     this->Reader->Show(this->Folder.GetPath("sample.bvol"), this->Finished);
   }
 
@@ -112,38 +115,39 @@ protected:
   }
 
   /// Writes the index in several rounds, goes on after a stop, and keeps what is told then.
-  void WriteIndex()
+  void WriteIndex(bool isInPlace)
   {
     auto volume = OpenForeignVolume(GetLocalFileSystem(), this->Source, {});
     ASSERT_TRUE(volume.IsOk()) << volume.GetStatus().GetMessage();
     BlockedVolumeSettings settings;
     settings.BlockSize = 16;
     settings.Distribution = DistributionMethod::Slab;
-    settings.InPlace = this->Describe(this->Source, *volume);
+    (isInPlace ? settings.InPlace : settings.CopyOf) = this->Describe(this->Source, *volume);
+    settings.Compression.Codec = SegmentCodec::Lz4;
     settings.JournalSeconds = 0;
     settings.MemoryLimit = std::uint64_t{ 2 } << 20;
     settings.Threads = 1;
     int rounds = 0;
-    settings.WhenFinished = [&](const std::vector<std::vector<KeyRange>>& ranges)
+    settings.WhenFinished = [&](const BlockedVolumeHeader& header, const FinishedBlocks& blocks)
     {
-      ASSERT_EQ(ranges.size(), 1u);
-      EXPECT_GT(ranges.front().size(), 0u);
-      this->Ranges.insert(this->Ranges.end(), ranges.front().begin(), ranges.front().end());
+      ASSERT_EQ(blocks.Ranges.size(), 1u);
+      const std::vector<KeyRange>& ranges = blocks.Ranges.front();
+      EXPECT_GT(ranges.size(), 0u);
+      this->Ranges.insert(this->Ranges.end(), ranges.begin(), ranges.end());
+      for (const auto& [folder, entries] : blocks.Records)
+      {
+        std::vector<BlockDirectoryEntry>& all = this->Records[folder];
+        all.insert(all.end(), entries.begin(), entries.end());
+      }
+      EXPECT_EQ(blocks.Records.empty(), isInPlace);
+      this->Header = header;
       ++rounds;
     };
-    BlockedVolumeHeader header;
-    header.Grid = volume->Grid;
-    header.BlockSize = 16;
-    header.NumberOfLevels = 1;
-    header.Arrays = volume->Arrays;
-    const bool isLast = GetRank() == GetNumberOfRanks() - 1;
-    header.TimeSteps.emplace_back().Source =
-      this->Describe(isLast ? this->OtherSource : this->Source, *volume);
-    this->Finished->Begin(header);
     ControllerCommunicator ranks(GetRanks());
     const auto write = [&](double end)
     {
       this->Ranges.clear();
+      this->Records.clear();
       rounds = 0;
       return BlockedVolumeWriter(ranks)
         .Write(this->Index, volume->Grid, volume->Arrays, *volume->Source, settings,
@@ -156,13 +160,18 @@ protected:
     EXPECT_TRUE(written.IsOk()) << written.GetMessage();
     EXPECT_GT(rounds, 1);
     EXPECT_EQ(this->Ranges.size(), 6u * 5 * 7);
+    if (isInPlace && GetRank() == GetNumberOfRanks() - 1)
+    {
+      this->Header.TimeSteps.back().Source = this->Describe(this->OtherSource, *volume);
+    }
   }
 
   /// Tells that so many blocks more are finished.
   void Finish(std::ptrdiff_t blocks)
   {
     const auto begin = this->Ranges.begin() + this->Told;
-    this->Finished->Add({ { begin, begin + blocks } });
+    this->Finished->Add(
+      this->Header, { { { begin, begin + blocks } }, std::exchange(this->Records, {}) });
     this->Told += blocks;
   }
 
@@ -223,8 +232,10 @@ protected:
   const std::string Index = this->Folder.GetPath("scan.bvol");
   const std::shared_ptr<FinishedLayers> Finished =
     std::make_shared<FinishedLayers>(GetLocalFileSystem(), OpenForeignVolume, this->Index);
-  std::vector<KeyRange> Ranges; ///< of all blocks
-  std::ptrdiff_t Told = 0;      ///< of them
+  BlockedVolumeHeader Header;                                      ///< of the index
+  std::vector<KeyRange> Ranges;                                    ///< of all blocks
+  std::map<std::string, std::vector<BlockDirectoryEntry>> Records; ///< of all blocks of this rank
+  std::ptrdiff_t Told = 0;                                         ///< of them
   const vtkNew<SampleReader> Reader;
   const vtkSmartPointer<vtkStabbingContour> Contour = MakeContour(this->Reader, Isovalue);
   const ExpectNoErrors ReaderErrors{ this->Reader };
@@ -254,6 +265,50 @@ TEST_F(GrowingSurface, IsExactWhereTheFileIsIndexedAndThatOfTheSampleBehind)
   ofIndex->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   const EdgeSurface grown = GatherSurface(mine);
   EXPECT_TRUE(AreEqual(grown, GatherSurface(ofIndex->GetOutput())));
+}
+
+/// The index of a stream, which can only be read in order, has its samples.
+class GrowingSurfaceOfCopies : public GrowingSurface
+{
+protected:
+  GrowingSurfaceOfCopies()
+    : GrowingSurface(false)
+  {
+  }
+};
+
+TEST_F(GrowingSurfaceOfCopies, IsExactWhereTheFileIsCopiedAndThatOfTheSampleBehind)
+{
+  ShowByHand(this->Contour);
+  this->Finish(100);
+  this->ExpectParts(this->Grow(), 48);
+  this->Finish(110);
+  this->Finished->End();
+  this->ExpectParts(this->Grow(), 96);
+  this->ExpectParts(this->Grow(), 100);
+  EXPECT_EQ(this->Prepare(), 0) << "it is complete";
+}
+
+TEST_F(GrowingSurfaceOfCopies, StaysAsItIsOnAllRanksWhenTheCopyIsDamaged)
+{
+  ShowByHand(this->Contour);
+  this->Finish(100);
+  this->Grow();
+  OnFirstRank(
+    [&]
+    {
+      for (const auto& entry :
+        std::filesystem::recursive_directory_iterator(this->Index + ".stores"))
+      {
+        if (entry.path().filename() == "blocks")
+        {
+          std::filesystem::resize_file(entry.path(), 1000);
+        }
+      }
+    });
+  this->Finish(110);
+  EXPECT_EQ(this->PrepareToTheEnd(), 0);
+  this->ExpectParts(this->Contour->GetOutput(), 48);
 }
 
 TEST_F(GrowingSurface, WaitsForTheRankThatHasBeenToldTheLeast)

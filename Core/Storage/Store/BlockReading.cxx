@@ -60,7 +60,7 @@ std::size_t BlockReading::FindEndOfRead(std::size_t component) const
 }
 
 void BlockReading::FindRanges(
-  const BlockStore& store, std::vector<BlockStore::ByteRange>& ranges) const
+  const BlockStore& store, std::vector<StoreRecords::ByteRange>& ranges) const
 {
   for (auto component = this->Needed.begin(); component != this->Needed.end();)
   {

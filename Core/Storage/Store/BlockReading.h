@@ -42,7 +42,7 @@ public:
   Result<std::shared_ptr<const DecodedBlock>> Get(std::size_t variable);
 
   /// Adds the ranges of bytes that will be read for the announced variables.
-  void FindRanges(const BlockStore& store, std::vector<BlockStore::ByteRange>& ranges) const;
+  void FindRanges(const BlockStore& store, std::vector<StoreRecords::ByteRange>& ranges) const;
 
 private:
   using Block = std::shared_ptr<const DecodedBlock>;

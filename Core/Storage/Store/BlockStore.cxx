@@ -4,20 +4,12 @@
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
 #include "Ground/Volume/SampleRange.h"
-#include "Storage/Record/BlockRecord.h"
-#include "Storage/Record/RecordCodec.h"
-#include "Storage/Store/SourceSegment.h"
 
 #include <algorithm>
 #include <limits>
 
 namespace isosurface
 {
-namespace
-{
-
-} // namespace
-
 std::string BlockStore::GetTreePath(
   const std::string& folder, const ArrayVariables& variables, std::size_t variable)
 {
@@ -37,7 +29,7 @@ std::string BlockStore::GetTreePath(
 std::vector<std::string> BlockStore::ListPaths(
   const std::string& folder, const ArrayVariables& variables)
 {
-  std::vector<std::string> paths = { GetBlocksPath(folder), GetDirectoryPath(folder) };
+  std::vector<std::string> paths = { StoreRecords::GetPath(folder), GetDirectoryPath(folder) };
   for (std::size_t variable = 0; variable < variables.GetCount(); ++variable)
   {
     paths.push_back(GetTreePath(folder, variables, variable));
@@ -72,22 +64,22 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
     return Status(StatusCode::NotFound, folder + ": this store of the blocked volume is missing");
   }
   std::shared_ptr<BlockStore> store(new BlockStore(files, folder, header, description));
-  auto blocks = files.OpenForReading(GetBlocksPath(folder));
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  store->Blocks = std::move(*blocks);
-  if (store->Blocks->GetSize() != description.Bytes)
+  const SamplePlace place = source ? SamplePlace::Source : SamplePlace::Store;
+  auto records = StoreRecords::Open(files, folder, header, std::move(source));
+  ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
+  store->Records = std::move(*records);
+  if (store->Records->GetSize() != description.Bytes)
   {
     return Status(StatusCode::Corrupt,
-      store->Blocks->GetPath() + ": has " + std::to_string(store->Blocks->GetSize()) +
+      store->Records->GetPath() + ": has " + std::to_string(store->Records->GetSize()) +
         " bytes instead of the " + std::to_string(description.Bytes) + " that the header states");
   }
   auto directory = OpenDirectory(files, folder, description,
     store->Variables.GetNumberOfStored() *
       static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
-    source ? SamplePlace::Source : SamplePlace::Store);
+    place);
   ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
   store->Directory = std::move(*directory);
-  store->Source = std::move(source);
   return store;
 }
 
@@ -201,15 +193,7 @@ Result<BlockDirectoryEntry> BlockStore::FindEntry(
   std::uint32_t ordinal, QueryStatistics& statistics) const
 {
   return this->Directory->Read(
-    ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
-}
-
-BlockStore::ByteRange BlockStore::FindRange(
-  const BlockDirectoryEntry& entry, std::size_t first, std::size_t count, int level) const
-{
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  return { entry.Offset + entry.FindSegment(first * levels),
-    entry.Offset + entry.FindSegment((first + count) * levels - static_cast<std::size_t>(level)) };
+    ordinal, this->Grid.GetNumberOfBlocks(), this->Records->GetSize(), statistics);
 }
 
 Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const
@@ -219,143 +203,28 @@ Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistic
   return entry->Block;
 }
 
-Status BlockStore::MakeError(StatusCode code, const std::string& reason) const
-{
-  return Status(code, this->Blocks->GetPath() + ": " + reason);
-}
-
 Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64_t block,
   std::size_t first, std::size_t count, int level, QueryStatistics& statistics) const
 {
   const auto entry = this->FindEntry(ordinal, statistics);
   ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-  if (entry->Block != block)
-  {
-    return this->MakeError(StatusCode::Corrupt,
-      "block number " + std::to_string(ordinal) + " is not block " + std::to_string(block));
-  }
-  const auto levels = static_cast<std::size_t>(this->Grid.GetNumberOfLevels());
-  const std::size_t last = first + count - 1;
-  for (std::size_t variable = first; variable <= last; ++variable)
-  {
-    // All components but the last one are read up to level 0.
-    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry, variable, variable == last ? level : 0));
-  }
-  const ByteRange range = this->FindRange(*entry, first, count, level);
-  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(range.End - range.Begin));
-  if (this->Source)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->GatherSegments(*entry, first, count, bytes.GetData(), statistics));
-  }
-  else
-  {
-    ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Read(range.Begin, bytes.GetSize(), bytes.GetData()));
-    ++statistics.BlocksRead;
-    statistics.BytesRead += bytes.GetSize();
-  }
-  DecodedBlocks blocks;
-  for (std::size_t variable = first; variable <= last; ++variable)
-  {
-    const std::uint64_t segment = entry->Offset + entry->FindSegment(variable * levels);
-    auto decoded = this->Decode(*entry, variable, level, bytes.GetData() + (segment - range.Begin));
-    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
-    blocks.push_back(std::move(*decoded));
-  }
-  return blocks;
+  return entry->Block == block
+    ? this->Records->Read(*entry, first, count, level, statistics)
+    : Status(StatusCode::Corrupt,
+        this->Records->GetPath() + ": block number " + std::to_string(ordinal) + " is not block " +
+          std::to_string(block));
 }
 
-Status BlockStore::GatherSegments(const BlockDirectoryEntry& entry, std::size_t first,
-  std::size_t count, std::uint8_t* segments, QueryStatistics& statistics) const
-{
-  constexpr std::size_t headerSize = BlockRecord::SegmentHeaderSize;
-  std::vector<std::uint8_t> headers(count * headerSize);
-  ISOSURFACE_RETURN_IF_ERROR(
-    this->Blocks->Read(entry.Offset + first * headerSize, headers.size(), headers.data()));
-  for (std::size_t component = first; component < first + count; ++component)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(
-      GatherSegment(*this->Source, this->Grid, entry, this->Blocks->GetPath(), component,
-        headers.data() + (component - first) * headerSize, segments, statistics));
-    segments += headerSize + entry.Lengths[component];
-  }
-  return Status::Ok();
-}
-
-std::optional<BlockStore::ByteRange> BlockStore::FindAdjacent(
+std::optional<StoreRecords::ByteRange> BlockStore::FindAdjacent(
   std::uint32_t ordinal, std::size_t first, std::size_t count, int level) const
 {
   QueryStatistics statistics;
   const auto entry = this->FindEntry(ordinal, statistics);
-  if (!entry.IsOk() || this->Source)
+  if (!entry.IsOk() || this->Records->AreInSource())
   {
     return std::nullopt;
   }
-  return this->FindRange(*entry, first, count, level);
-}
-
-void BlockStore::Prefetch(const std::vector<ByteRange>& ranges) const
-{
-  const auto touch = [](const ByteRange& range, const ByteRange& next)
-  { return next.Begin <= BlockRecord::AlignUp(range.End); };
-  for (auto range = ranges.begin(); range != ranges.end();)
-  {
-    ByteRange joined = *range++;
-    for (; range != ranges.end() && touch(joined, *range); ++range)
-    {
-      joined.End = std::max(joined.End, range->End);
-    }
-    this->Blocks->Prefetch(joined.Begin, joined.End - joined.Begin);
-  }
-}
-
-// Checks lengths of the directory before memory is allocated for them.
-Status BlockStore::CheckLengths(
-  const BlockDirectoryEntry& entry, std::size_t variable, int level) const
-{
-  const int levels = this->Grid.GetNumberOfLevels();
-  const std::size_t firstSegment = variable * static_cast<std::size_t>(levels);
-  for (int from = levels - 1; from >= level; --from)
-  {
-    const BlockSegment segment(this->Grid, entry.Block, from);
-    if (entry.Lengths[firstSegment + static_cast<std::size_t>(levels - 1 - from)] >
-      segment.GetNumberOfSamples() * GetValueSize(this->Variables[variable].Type))
-    {
-      return this->MakeError(StatusCode::Corrupt,
-        "block " + std::to_string(entry.Block) + " has an impossible length in the directory");
-    }
-  }
-  return Status::Ok();
-}
-
-Result<std::shared_ptr<const DecodedBlock>> BlockStore::Decode(const BlockDirectoryEntry& entry,
-  std::size_t variable, int level, const std::uint8_t* segment) const
-{
-  const int levels = this->Grid.GetNumberOfLevels();
-  const std::size_t firstSegment = variable * static_cast<std::size_t>(levels);
-  std::vector<const std::uint8_t*> segments;
-  std::vector<std::uint32_t> lengths;
-  for (std::size_t index = 0; index < static_cast<std::size_t>(levels - level); ++index)
-  {
-    const std::uint32_t stored = entry.Lengths[firstSegment + index];
-    const Status status = CheckSegment(segment, stored,
-      { entry.Block, static_cast<std::uint32_t>(variable),
-        static_cast<std::uint32_t>(levels - 1) - static_cast<std::uint32_t>(index) });
-    if (!status.IsOk())
-    {
-      return this->MakeError(status.GetCode(), status.GetMessage());
-    }
-    segments.push_back(segment);
-    lengths.push_back(stored);
-    segment += BlockRecord::SegmentHeaderSize + stored;
-  }
-  const auto decoded = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(variable),
-    level, this->Variables[variable].Type, segments, lengths);
-  if (!decoded.IsOk())
-  {
-    return this->MakeError(decoded.GetStatus().GetCode(), decoded.GetStatus().GetMessage());
-  }
-  return std::shared_ptr<const DecodedBlock>(*decoded);
+  return this->Records->FindRange(*entry, first, count, level);
 }
 
 } // namespace isosurface

@@ -10,6 +10,7 @@
 #include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/QueryStatistics.h"
+#include "Storage/Store/StoreRecords.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -42,7 +43,6 @@ public:
   /// The bytes of pages that the directory and each tree keep in memory.
   static constexpr std::size_t PageCacheBytes = 1024 * 1024;
 
-  static std::string GetBlocksPath(const std::string& folder) { return folder + "/blocks"; }
   static std::string GetDirectoryPath(const std::string& folder) { return folder + "/directory"; }
   static std::string GetTreePath(
     const std::string& folder, const ArrayVariables& variables, std::size_t variable);
@@ -81,52 +81,33 @@ public:
   /// The grid's index of a block.
   Result<std::int64_t> FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const;
 
-  /// Reads the components [first, first + count) of a block up to a level, by one contiguous read,
-  /// which at a level above 0 includes the finer levels of all components but the last one; and
-  /// decodes them. Corrupt if another block has the ordinal.
+  /// StoreRecords::Read of a block. Corrupt if another block has the ordinal.
   Result<DecodedBlocks> ReadAdjacent(std::uint32_t ordinal, std::int64_t block, std::size_t first,
     std::size_t count, int level, QueryStatistics& statistics) const;
 
-  /// A part of the file of records.
-  struct ByteRange
-  {
-    std::uint64_t Begin;
-    std::uint64_t End;
-  };
-
   /// The range that ReadAdjacent reads; nothing if the directory's entry is damaged.
-  std::optional<ByteRange> FindAdjacent(
+  std::optional<StoreRecords::ByteRange> FindAdjacent(
     std::uint32_t ordinal, std::size_t first, std::size_t count, int level) const;
 
-  /// Starts reading ranges, in ascending order, without waiting. Ranges with nothing but padding
-  /// between them are one read.
-  void Prefetch(const std::vector<ByteRange>& ranges) const;
+  /// See StoreRecords.
+  void Prefetch(const std::vector<StoreRecords::ByteRange>& ranges) const
+  {
+    this->Records->Prefetch(ranges);
+  }
 
 private:
   BlockStore(FileSystem& files, std::string folder, const BlockedVolumeHeader& header,
     const StoreDescription& description);
   Result<const ExternalIntervalTree*> GetTree(std::size_t variable);
   Result<BlockDirectoryEntry> FindEntry(std::uint32_t ordinal, QueryStatistics& statistics) const;
-  /// The bytes of components in a record, up to a level of the last one.
-  ByteRange FindRange(
-    const BlockDirectoryEntry& entry, std::size_t first, std::size_t count, int level) const;
-  Status MakeError(StatusCode code, const std::string& reason) const;
-  Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t variable, int level) const;
-  /// The segments of the components [first, first + count), which are in the source.
-  Status GatherSegments(const BlockDirectoryEntry& entry, std::size_t first, std::size_t count,
-    std::uint8_t* segments, QueryStatistics& statistics) const;
-  /// `segment`: the stored segments of the levels from the coarsest to `level`.
-  Result<std::shared_ptr<const DecodedBlock>> Decode(const BlockDirectoryEntry& entry,
-    std::size_t variable, int level, const std::uint8_t* segment) const;
 
   FileSystem& Files;
   std::string Folder;
   StoreDescription Description;
   ArrayVariables Variables;
   BlockGrid Grid;
-  std::unique_ptr<RandomAccessFile> Blocks;
+  std::unique_ptr<StoreRecords> Records;
   std::unique_ptr<BlockDirectory> Directory;
-  std::shared_ptr<SourceSamples> Source;
   std::mutex TreeMutex;
   std::vector<std::unique_ptr<ExternalIntervalTree>> Trees;
 };

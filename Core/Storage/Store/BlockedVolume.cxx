@@ -196,7 +196,7 @@ void BlockedVolume::Prefetch(const BlockStore& store,
   const std::vector<std::size_t>& variables, const StoredLevel& stored)
 {
   QueryStatistics nothing;
-  std::vector<BlockStore::ByteRange> ranges;
+  std::vector<StoreRecords::ByteRange> ranges;
   for (const BlockReference* block : blocks)
   {
     BlockReading reading(*this->Stores, *this->Cache, *block, timeStep, stored, nothing);

@@ -5,9 +5,11 @@
 #include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/SampleRange.h"
 #include "Storage/Record/BlockRecord.h"
+#include "Storage/Store/StoreRecords.h"
 #include "Storage/Store/StoredBlockSource.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace isosurface
@@ -27,86 +29,65 @@ std::uint64_t MakeDataset(const std::string& path)
 
 } // namespace
 
-/// Some blocks, gathered from the source.
+/// Some blocks.
 class FinishedLayers::Blocks : public BlockSource
 {
 public:
-  Blocks(FinishedLayers& layers, std::size_t variable, std::vector<std::size_t> attributes,
-    std::vector<std::int64_t> blocks)
-    : Layers(layers)
-    , Variables(layers.Header.GetVariables())
+  Blocks(const BlockedVolumeHeader& header, std::size_t variable,
+    std::vector<std::size_t> attributes, std::vector<std::int64_t> blocks, ReadComponents read)
+    : Grid(header.GetBlockGrid())
+    , Variables(header.GetVariables())
     , VariableNumber(variable)
     , Attributes(std::move(attributes))
     , Numbers(std::move(blocks))
+    , Read(std::move(read))
   {
   }
 
   std::size_t GetNumberOfBlocks() const override { return this->Numbers.size(); }
   Index3 GetLatticeCoordinates(std::size_t block) const override
   {
-    return this->Layers.Grid.GetBlockCoordinates(this->Numbers[block]);
+    return this->Grid.GetBlockCoordinates(this->Numbers[block]);
   }
   VertexBox GetVertices(std::size_t block) const override
   {
-    return this->Layers.Grid.GetVertices(this->Numbers[block]);
+    return this->Grid.GetVertices(this->Numbers[block]);
   }
   ValueType GetValueType() const override { return this->Variables[this->VariableNumber].Type; }
 
   Result<BlockSamples> Acquire(std::size_t block) override
   {
-    DecodedBlocks blocks;
-    ISOSURFACE_RETURN_IF_ERROR(this->Read(this->Numbers[block], this->VariableNumber, blocks));
+    const std::int64_t number = this->Numbers[block];
+    const Variable& contoured = this->Variables[this->VariableNumber];
+    auto blocks = contoured.IsMagnitude() ? this->ReadArray(number, contoured.Array)
+                                          : this->Read(number, this->VariableNumber, 1);
+    ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
+    if (contoured.IsMagnitude())
+    {
+      *blocks = { MakeMagnitudeBlock(*blocks) };
+    }
     for (const std::size_t array : this->Attributes)
     {
-      ISOSURFACE_RETURN_IF_ERROR(this->ReadArray(this->Numbers[block], array, blocks));
+      auto components = this->ReadArray(number, array);
+      ISOSURFACE_RETURN_IF_ERROR(components.GetStatus());
+      blocks->insert(blocks->end(), components->begin(), components->end());
     }
-    return MakeBlockSamples(std::move(blocks), this->Variables, this->Attributes);
+    return MakeBlockSamples(std::move(*blocks), this->Variables, this->Attributes);
   }
 
 private:
-  /// Adds a variable of a block.
-  Status Read(std::int64_t number, std::size_t variable, DecodedBlocks& blocks) const
+  Result<DecodedBlocks> ReadArray(std::int64_t number, std::size_t array) const
   {
-    if (this->Variables[variable].IsMagnitude())
-    {
-      DecodedBlocks components;
-      ISOSURFACE_RETURN_IF_ERROR(
-        this->ReadArray(number, this->Variables[variable].Array, components));
-      blocks.push_back(MakeMagnitudeBlock(components));
-      return Status::Ok();
-    }
-    const ValueType type = this->Variables[variable].Type;
-    const VertexBox box = this->Layers.Grid.GetGhostedVertices(number, 0);
-    auto block = std::make_shared<DecodedBlock>();
-    block->Block = number;
-    block->Bytes = Buffer<std::uint8_t>(
-      static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type));
-    block->View = MakeSampleView(type, box, block->Bytes.GetData());
-    block->View.Box = this->Layers.Grid.GetVertices(number);
-    QueryStatistics statistics;
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->Layers.Samples->Read(variable, box, block->Bytes.GetData(), statistics));
-    blocks.push_back(std::move(block));
-    return Status::Ok();
+    return this->Read(number, this->Variables.GetFirst(array),
+      static_cast<std::size_t>(this->Variables.GetComponents(array)));
   }
 
-  /// Adds the components of an array.
-  Status ReadArray(std::int64_t number, std::size_t array, DecodedBlocks& blocks) const
-  {
-    const std::size_t first = this->Variables.GetFirst(array);
-    const auto count = static_cast<std::size_t>(this->Variables.GetComponents(array));
-    for (std::size_t component = first; component < first + count; ++component)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(this->Read(number, component, blocks));
-    }
-    return Status::Ok();
-  }
-
-  FinishedLayers& Layers;
+  const BlockGrid Grid;
   const ArrayVariables Variables;
   const std::size_t VariableNumber;
   const std::vector<std::size_t> Attributes; ///< arrays
   const std::vector<std::int64_t> Numbers;   ///< of blocks
+  const ReadComponents Read;
 };
 
 FinishedLayers::FinishedLayers(FileSystem& files, VolumeOpener opener, std::string path)
@@ -124,20 +105,24 @@ FinishedLayers::~FinishedLayers()
   this->Cache->Release(this->Dataset);
 }
 
-void FinishedLayers::Begin(BlockedVolumeHeader header)
-{
-  this->Header = std::move(header);
-  this->Grid = this->Header.GetBlockGrid();
-}
-
-void FinishedLayers::Add(const std::vector<std::vector<KeyRange>>& ranges)
+void FinishedLayers::Add(const BlockedVolumeHeader& volume, FinishedBlocks blocks)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  this->Ranges.resize(ranges.size());
-  for (std::size_t variable = 0; variable < ranges.size(); ++variable)
+  if (this->Ranges.empty())
+  {
+    this->Header = volume;
+    this->Grid = volume.GetBlockGrid();
+  }
+  for (auto& [folder, entries] : blocks.Records)
+  {
+    std::vector<BlockDirectoryEntry>& all = this->Records[folder];
+    std::move(entries.begin(), entries.end(), std::back_inserter(all));
+  }
+  this->Ranges.resize(blocks.Ranges.size());
+  for (std::size_t variable = 0; variable < blocks.Ranges.size(); ++variable)
   {
     this->Ranges[variable].insert(
-      this->Ranges[variable].end(), ranges[variable].begin(), ranges[variable].end());
+      this->Ranges[variable].end(), blocks.Ranges[variable].begin(), blocks.Ranges[variable].end());
   }
 }
 
@@ -187,11 +172,75 @@ Status FinishedLayers::OpenSamples()
   return Status::Ok();
 }
 
-Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(const BlockQuery& query,
-  const std::vector<std::size_t>& attributes, std::int64_t slices, std::size_t part,
-  std::size_t parts)
+Result<DecodedBlocks> FinishedLayers::Gather(
+  std::int64_t block, std::size_t first, std::size_t count) const
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->OpenSamples());
+  DecodedBlocks blocks;
+  const VertexBox box = this->Grid.GetGhostedVertices(block, 0);
+  for (std::size_t component = first; component < first + count; ++component)
+  {
+    const ValueType type = this->Samples->GetType(component);
+    auto gathered = std::make_shared<DecodedBlock>();
+    gathered->Block = block;
+    gathered->Bytes = Buffer<std::uint8_t>(
+      static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type));
+    gathered->View = MakeSampleView(type, box, gathered->Bytes.GetData());
+    gathered->View.Box = this->Grid.GetVertices(block);
+    QueryStatistics statistics;
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Samples->Read(component, box, gathered->Bytes.GetData(), statistics));
+    blocks.push_back(std::move(gathered));
+  }
+  return blocks;
+}
+
+Result<FinishedLayers::ReadComponents> FinishedLayers::OpenRecords(
+  std::vector<std::int64_t>& blocks) const
+{
+  struct Record
+  {
+    std::shared_ptr<StoreRecords> Store;
+    BlockDirectoryEntry Entry;
+  };
+  std::map<std::string, std::vector<BlockDirectoryEntry>> wanted; // by the folders of stores
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    for (const auto& [folder, all] : this->Records)
+    {
+      std::copy_if(all.begin(), all.end(), std::back_inserter(wanted[folder]),
+        [&](const BlockDirectoryEntry& entry)
+        { return std::binary_search(blocks.begin(), blocks.end(), entry.Block); });
+    }
+  }
+  const auto records = std::make_shared<std::map<std::int64_t, Record>>(); // by block
+  for (auto& [folder, entries] : wanted)
+  {
+    auto store = StoreRecords::Open(this->Files, folder, this->Header);
+    ISOSURFACE_RETURN_IF_ERROR(store.GetStatus());
+    const std::shared_ptr<StoreRecords> shared = std::move(*store);
+    for (BlockDirectoryEntry& entry : entries)
+    {
+      const std::int64_t block = entry.Block;
+      records->insert({ block, { shared, std::move(entry) } });
+    }
+  }
+  blocks.clear();
+  for (const auto& [block, record] : *records)
+  {
+    blocks.push_back(block);
+  }
+  return ReadComponents(
+    [records](std::int64_t block, std::size_t first, std::size_t count)
+    {
+      const Record& record = records->at(block);
+      QueryStatistics statistics;
+      return record.Store->Read(record.Entry, first, count, 0, statistics);
+    });
+}
+
+std::vector<std::int64_t> FinishedLayers::SelectBlocks(
+  const BlockQuery& query, std::int64_t slices) const
+{
   const std::lock_guard<std::mutex> lock(this->Mutex);
   const std::vector<ValueKey> thresholds =
     FindThresholdKeys(this->Header.GetVariables()[query.Variable].Type, query.Isovalues);
@@ -215,10 +264,32 @@ Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(const BlockQuery
       blocks.push_back(number);
     }
   }
-  const auto find = [&](std::size_t first)
-  { return blocks.begin() + static_cast<std::ptrdiff_t>(blocks.size() * first / parts); };
+  return blocks;
+}
+
+Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(const BlockQuery& query,
+  const std::vector<std::size_t>& attributes, std::int64_t slices, std::size_t part,
+  std::size_t parts)
+{
+  std::vector<std::int64_t> blocks = this->SelectBlocks(query, slices);
+  ReadComponents read;
+  if (this->Header.IsInPlace())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->OpenSamples());
+    const auto find = [&](std::size_t place)
+    { return blocks.begin() + static_cast<std::ptrdiff_t>(blocks.size() * place / parts); };
+    blocks = std::vector<std::int64_t>(find(part), find(part + 1));
+    read = [this](std::int64_t block, std::size_t first, std::size_t count)
+    { return this->Gather(block, first, count); };
+  }
+  else
+  {
+    auto records = this->OpenRecords(blocks);
+    ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
+    read = std::move(*records);
+  }
   return std::unique_ptr<BlockSource>(std::make_unique<Blocks>(
-    *this, query.Variable, attributes, std::vector<std::int64_t>(find(part), find(part + 1))));
+    this->Header, query.Variable, attributes, std::move(blocks), std::move(read)));
 }
 
 } // namespace isosurface

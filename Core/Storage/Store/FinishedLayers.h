@@ -7,14 +7,18 @@
 #include "Ground/Volume/BlockSource.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Ground/Volume/VolumeOpener.h"
+#include "Storage/Record/DecodedBlock.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/FinishedBlocks.h"
 #include "Storage/Store/SourceSamples.h"
 #include "Storage/Store/StoreSearch.h"
 
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -24,12 +28,13 @@ namespace isosurface
 {
 
 /**
- * The layers of blocks of a volume in place that are written, from the first one on, while others
- * are not: what is known of them, so that surfaces can be extracted there. Samples are read from the
- * source through the block cache, as those of the finished volume are; so surfaces are the same.
+ * The layers of blocks of a volume that are written, from the first one on, while others are not: what
+ * is known of them, so that surfaces can be extracted there. Samples are read as those of the finished
+ * volume are, so surfaces are the same: of a volume in place from the source, through the block cache;
+ * else from the records that this rank has written.
  *
- * The writer's thread calls Begin, Add and End. All functions may be called by several threads at
- * once. Memory: the value ranges of the blocks.
+ * The writer's thread calls Add and End. All functions may be called by several threads at
+ * once. Memory: the value ranges of the blocks, and the directories of records.
  */
 class FinishedLayers
 {
@@ -40,10 +45,8 @@ public:
   FinishedLayers& operator=(const FinishedLayers&) = delete;
   ~FinishedLayers();
 
-  /// The volume, with a time step in place, before its first block is added.
-  void Begin(BlockedVolumeHeader header);
-  /// The next blocks are finished. ranges[variable][n] is that of the n-th of them.
-  void Add(const std::vector<std::vector<KeyRange>>& ranges);
+  /// The next blocks of the only time step of a volume.
+  void Add(const BlockedVolumeHeader& volume, FinishedBlocks blocks);
   /// Nothing is added any more.
   void End() { this->IsEnded = true; }
 
@@ -55,17 +58,26 @@ public:
   std::int64_t CountSlices() const;
   /// The volume; known as soon as there are slices.
   const BlockedVolumeHeader& GetHeader() const { return this->Header; }
-  /// The blocks of the first slices that a surface needs, with arrays to interpolate: part `part` of
-  /// `parts` of them, which have equally many. The source must not outlive this object. Errors: those
-  /// of SourceSamples::Open.
+  /// Blocks of the first slices that a surface needs, with arrays to interpolate. Of a volume in place:
+  /// part `part` of `parts`, which have equally many; else those whose records this rank has written. The
+  /// source must not outlive this object. Errors: those of SourceSamples::Open, and of reading files.
   Result<std::unique_ptr<BlockSource>> FindBlocks(const BlockQuery& query,
     const std::vector<std::size_t>& attributes, std::int64_t slices, std::size_t part,
     std::size_t parts);
 
 private:
   class Blocks;
+  /// Reads the components [first, first + count) of a block.
+  using ReadComponents =
+    std::function<Result<DecodedBlocks>(std::int64_t block, std::size_t first, std::size_t count)>;
 
   Status OpenSamples();
+  /// The blocks of the first slices that a surface needs.
+  std::vector<std::int64_t> SelectBlocks(const BlockQuery& query, std::int64_t slices) const;
+  /// Reads from the source, which is open.
+  Result<DecodedBlocks> Gather(std::int64_t block, std::size_t first, std::size_t count) const;
+  /// Leaves those of the blocks whose records this rank has written, and opens these.
+  Result<ReadComponents> OpenRecords(std::vector<std::int64_t>& blocks) const;
 
   FileSystem& Files;
   const VolumeOpener Opener;
@@ -79,6 +91,8 @@ private:
   std::shared_ptr<SourceSamples> Samples; ///< null until blocks are asked for
   mutable std::mutex Mutex;               ///< guards what follows
   std::vector<std::vector<KeyRange>> Ranges;
+  /// By the folders of their stores, in the order of their blocks.
+  std::map<std::string, std::vector<BlockDirectoryEntry>> Records;
   std::weak_ptr<const void> Shown;
 };
 

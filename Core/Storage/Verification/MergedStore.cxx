@@ -301,7 +301,7 @@ Result<std::vector<std::int64_t>> MergedStore::FindLostBlocks()
 Result<std::unique_ptr<RandomAccessFile>> MergedStore::OpenRecords()
 {
   Files files = this->OpenAll("/blocks");
-  const std::string path = BlockStore::GetBlocksPath(this->Folders.front());
+  const std::string path = StoreRecords::GetPath(this->Folders.front());
   const std::size_t first = FindFirstFile(files);
   if (first == files.size())
   {
@@ -324,7 +324,7 @@ Result<std::unique_ptr<RandomAccessFile>> MergedStore::OpenRecords()
 Result<std::unique_ptr<RandomAccessFile>> MergedStore::OpenForReading(const std::string& path)
 {
   const std::string& folder = this->Folders.front();
-  if (path == BlockStore::GetBlocksPath(folder))
+  if (path == StoreRecords::GetPath(folder))
   {
     return this->OpenRecords();
   }

@@ -52,7 +52,7 @@ void StoreVerification::Open()
 
 Status StoreVerification::OpenFiles()
 {
-  auto blocks = this->Files.OpenForReading(BlockStore::GetBlocksPath(this->Folder));
+  auto blocks = this->Files.OpenForReading(StoreRecords::GetPath(this->Folder));
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
   this->Blocks = std::move(*blocks);
   if (this->Blocks->GetSize() != this->Description.Bytes)

@@ -94,7 +94,7 @@ private:
   bool IsZero(std::uint64_t begin, std::uint64_t end) const;
   Status MakeFault(const std::string& reason) const
   {
-    return Status(StatusCode::Corrupt, BlockStore::GetBlocksPath(this->Folder) + ": " + reason);
+    return Status(StatusCode::Corrupt, StoreRecords::GetPath(this->Folder) + ": " + reason);
   }
 
   FileSystem& Files;

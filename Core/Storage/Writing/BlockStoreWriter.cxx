@@ -28,7 +28,7 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& f
   const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place)
 {
   ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
-  auto blocksFile = files.CreateForWriting(BlockStore::GetBlocksPath(folder));
+  auto blocksFile = files.CreateForWriting(StoreRecords::GetPath(folder));
   ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
   return std::unique_ptr<BlockStoreWriter>(
     new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
@@ -38,7 +38,7 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Open(FileSystem& fil
   const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place,
   std::vector<BlockDirectoryEntry> entries, std::uint64_t bytes, std::uint64_t checksum)
 {
-  auto blocksFile = files.OpenForAppending(BlockStore::GetBlocksPath(folder), bytes);
+  auto blocksFile = files.OpenForAppending(StoreRecords::GetPath(folder), bytes);
   ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
   std::unique_ptr<BlockStoreWriter> writer(
     new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));

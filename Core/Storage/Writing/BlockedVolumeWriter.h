@@ -10,10 +10,10 @@
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/MemorySource.h"
-#include "Ground/Volume/ValueKey.h"
 #include "Storage/Distribution/BlockDistribution.h"
 #include "Storage/Record/BlockCompression.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/FinishedBlocks.h"
 
 #include <cstdint>
 #include <functional>
@@ -62,10 +62,9 @@ struct BlockedVolumeSettings
   /// Called on the first rank, before anything is written, if the disk has not the room that the
   /// samples take uncompressed.
   std::function<void(const std::string& warning)> Warn;
-  /// Called on each rank by its writing thread: the next blocks of the volume are finished, whichever
-  /// rank has written them. ranges[variable][n] is the value range of the n-th of these blocks
-  /// (FinishedLayers).
-  std::function<void(const std::vector<std::vector<KeyRange>>& ranges)> WhenFinished;
+  /// Called on each rank by its writing thread: the next blocks of the volume are finished, and can be
+  /// read (FinishedLayers).
+  std::function<void(const BlockedVolumeHeader& volume, FinishedBlocks blocks)> WhenFinished;
   /// Bytes that a rank may take, besides those that its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;
   int Threads = 0; ///< 0: this rank's share of the node's cores

@@ -15,6 +15,7 @@
 #include "Storage/Writing/StoreReplication.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace isosurface
 {
@@ -308,12 +309,17 @@ Status ResolutionWriter::WriteBlocks()
   steps.AfterRound = [&](std::int64_t blocks, bool isStopping,
                        const std::function<Status()>& waitUntilWritten) -> Status
   {
-    if (this->Journal && this->IsCheckpointDue(blocks, isStopping))
+    const bool isDue = this->Journal && this->IsCheckpointDue(blocks, isStopping);
+    const bool tellsFinished = this->TellsFinished && !isStopping;
+    if (isDue || (tellsFinished && !this->Header.IsInPlace())) // records that are told can be read
     {
       ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(waitUntilWritten)));
+    }
+    if (isDue)
+    {
       ISOSURFACE_RETURN_IF_ERROR(this->MakeCheckpoint(blocks));
     }
-    while (this->TellsFinished && !isStopping && this->ToldBlocks < blocks)
+    while (tellsFinished && this->ToldBlocks < blocks)
     {
       ISOSURFACE_RETURN_IF_ERROR(
         this->TellBlocks(std::min(blocks, this->ToldBlocks + BlocksToTell)));
@@ -340,16 +346,20 @@ Status ResolutionWriter::WriteBlocks()
 /// of those alone that it writes. Collective.
 Status ResolutionWriter::TellBlocks(std::int64_t blocks)
 {
-  std::vector<std::vector<KeyRange>> ranges;
+  FinishedBlocks finished;
   CommonRanges common;
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
       for (const std::vector<KeyRange>& all : this->Counts->GetRanges())
       {
-        ranges.emplace_back(all.begin() + this->ToldBlocks, all.begin() + blocks);
+        finished.Ranges.emplace_back(all.begin() + this->ToldBlocks, all.begin() + blocks);
       }
-      for (std::vector<KeyRange>& ofVariable : ranges)
+      if (!this->Header.IsInPlace())
+      {
+        this->Stores->FindRecords(this->ToldBlocks, blocks, finished.Records);
+      }
+      for (std::vector<KeyRange>& ofVariable : finished.Ranges)
       {
         std::for_each(
           ofVariable.begin(), ofVariable.end(), [&](KeyRange& range) { common.Add(range); });
@@ -361,7 +371,7 @@ Status ResolutionWriter::TellBlocks(std::int64_t blocks)
   return this->Context.AgreeOn(this->Context.Attempt(
     [&]
     {
-      this->Context.Settings.WhenFinished(ranges);
+      this->Context.Settings.WhenFinished(this->Header, std::move(finished));
       return Status::Ok();
     }));
 }

@@ -127,6 +127,21 @@ Status WrittenStores::Append(const PendingBlock& block) const
   return store.Writer->Append(block);
 }
 
+void WrittenStores::FindRecords(std::int64_t begin, std::int64_t end,
+  std::map<std::string, std::vector<BlockDirectoryEntry>>& records) const
+{
+  const auto isBefore = [](const BlockDirectoryEntry& entry, std::int64_t block)
+  { return entry.Block < block; };
+  for (const auto& [store, open] : this->Stores)
+  {
+    const std::vector<BlockDirectoryEntry>& all = open.Writer->GetEntries();
+    const auto first = std::lower_bound(all.begin(), all.end(), begin, isBefore);
+    const auto last = std::lower_bound(first, all.end(), end, isBefore);
+    std::vector<BlockDirectoryEntry>& found = records[this->GetStorePath(store)];
+    found.insert(found.end(), first, last);
+  }
+}
+
 Status WrittenStores::AddCheckpoints(std::int64_t number, const BlockCounts& counts) const
 {
   StoreCheckpoint checkpoint;

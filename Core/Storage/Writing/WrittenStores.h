@@ -48,6 +48,10 @@ public:
   /// Brings all that is known of the blocks to stable storage, as a checkpoint of this number.
   Status AddCheckpoints(std::int64_t number, const BlockCounts& counts) const;
   std::vector<std::uint32_t> GetNumbers() const;
+  /// Adds the records of the blocks [begin, end), which are appended, to `records`, by the folders of
+  /// their stores.
+  void FindRecords(std::int64_t begin, std::int64_t end,
+    std::map<std::string, std::vector<BlockDirectoryEntry>>& records) const;
   /// Finishes a store, for which it takes `memoryBytes` at most, and its spectra. Different stores may
   /// be finished at once. Corrupt if the disk gave back other bytes than it was given.
   Result<StoreDescription> Finish(

@@ -7,7 +7,9 @@
 #include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Storage/Store/FinishedLayers.h"
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -292,6 +294,53 @@ TEST_P(GrowingIndexTest, OfAStreamGivesLargerSamplesOfItsFirstSlices)
   const auto first = ReadSamplesOf(this->Disk, source, { 0, 210000 }, this->GetParam());
   EXPECT_LT(first[0].Share, 0.9);
   GrowSamples(this->Disk, source, this->GetParam(), first, volume, { 4, 4, 4 });
+}
+
+TEST_P(GrowingIndexTest, OfAStreamHasExactLayersBeforeItsEnd)
+{
+  const std::string source = "/data/scan.nrrd";
+  const auto volume = WriteGzipNrrd(this->Disk, source);
+  const auto index = FindIndex(this->Disk, source);
+  std::atomic<int> checked = 0;
+  ThreadCommunicator::Run(this->GetParam(),
+    [&](Communicator& ranks)
+    {
+      FinishedLayers finished(this->Disk, OpenForeignVolume, index.Path);
+      std::int64_t slices = 0;
+      const auto check = [&](double)
+      {
+        EXPECT_FALSE(this->Disk.Exists(index.Path));
+        if (finished.CountSlices() <= slices)
+        {
+          return true;
+        }
+        slices = finished.CountSlices();
+        BlockQuery query;
+        query.Isovalues = { static_cast<double>(volume.At(100, 100, slices / 2)) };
+        const auto blocks = Require(finished.FindBlocks(query, { 0 }, slices, 0, 1));
+        for (std::size_t n = 0; n < blocks->GetNumberOfBlocks(); ++n, ++checked)
+        {
+          const BlockSamples samples = Require(blocks->Acquire(n));
+          const VertexBox box = blocks->GetVertices(n);
+          const SampleVolume<std::int16_t> expected(box.GetSize(),
+            [&](auto i, auto j, auto k)
+            { return volume.At(box.Low[0] + i, box.Low[1] + j, box.Low[2] + k); });
+          for (const SampleView& view : { samples.Scalars, samples.Attributes[0].Components[0] })
+          {
+            std::vector<std::int16_t> read(expected.Samples.size());
+            CopyBox(view, box, box, read.data());
+            EXPECT_EQ(read, expected.Samples);
+          }
+        }
+        return true;
+      };
+      const auto written = WriteSourceIndex(
+        ranks, this->Disk, index, std::uint64_t{ 24 } << 20, check, nullptr, &finished);
+      EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+      EXPECT_GT(slices, 31);
+      EXPECT_EQ(finished.CountSlices(), 199);
+    });
+  EXPECT_GT(checked, 20);
 }
 
 TEST_P(GrowingIndexTest, LeavesTheOlderIndexAsItWasWhereverItIsDropped)

@@ -101,9 +101,9 @@ TEST(VolumeVerification, ReportsEveryFaultWhateverTheNumberOfThreads)
   MemoryDisk disk;
   WriteVolume(disk, SegmentCodec::None);
   const std::string stores = VerifiedPath + ".stores/000001/";
-  disk.GetFile(BlockStore::GetBlocksPath(stores + "store-00000"))[100] ^= 1;
+  disk.GetFile(StoreRecords::GetPath(stores + "store-00000"))[100] ^= 1;
   disk.GetFile(stores + "store-00001/array-1.tree")[5000] ^= 1;
-  disk.GetFile(BlockStore::GetBlocksPath(stores + "store-00002"))[100] ^= 1;
+  disk.GetFile(StoreRecords::GetPath(stores + "store-00002"))[100] ^= 1;
   disk.GetFile(stores + "spectra")[30] ^= 1;
   const auto messages = GetMessages(VerifyVolume(disk, 1));
   ASSERT_EQ(messages.size(), 4u);
