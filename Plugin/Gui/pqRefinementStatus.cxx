@@ -81,7 +81,6 @@ void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
 //------------------------------------------------------------------------------
 void pqRefinementStatus::ShowGrowth(const RefinementReport& report)
 {
-  // Nothing of a stream is exact before all of it is.
   this->setText(
     report.Share > 0 ? tr("The first %1 % exact").arg(std::floor(100 * report.Share)) : QString());
   this->ShowBegin();

@@ -17,6 +17,7 @@
 #include "vtkVolumeProbe.h"
 #include "vtkVolumeRegion.h"
 #include "vtkVolumeSlice.h"
+#include "vtkZLibDataCompressor.h"
 
 #include "ControllerCommunicator.h"
 #include "Formats/Opener/ForeignVolume.h"
@@ -28,6 +29,7 @@
 #include <filesystem>
 #include <fstream>
 #include <thread>
+#include <vector>
 
 using namespace isosurface;
 
@@ -41,15 +43,24 @@ vtkSmartPointer<vtkImageData> MakeNoisyImage()
   return MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3));
 }
 
-/// Writes raw samples with a header.
-void WriteSource(vtkImageData* image, const std::string& path)
+/// Writes samples of one byte, raw or as a zlib stream, with a header.
+void WriteSource(vtkImageData* image, const std::string& path, bool isStream = false)
 {
-  std::ofstream raw(path + ".raw", std::ios::binary);
-  raw.write(static_cast<const char*>(image->GetScalarPointer()),
-    static_cast<std::streamsize>(image->GetNumberOfPoints()));
+  const auto* samples = static_cast<const unsigned char*>(image->GetScalarPointer());
+  const auto count = static_cast<std::size_t>(image->GetNumberOfPoints());
+  std::vector<unsigned char> bytes(samples, samples + count);
+  if (isStream)
+  {
+    const vtkNew<vtkZLibDataCompressor> compressor;
+    bytes.resize(compressor->GetMaximumCompressionSpace(count));
+    bytes.resize(compressor->Compress(samples, count, bytes.data(), bytes.size()));
+  }
+  std::ofstream(path + ".raw", std::ios::binary)
+    .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   const int* size = image->GetDimensions();
   std::ofstream(path) << "ObjectType = Image\nNDims = 3\nDimSize = " << size[0] << " " << size[1]
                       << " " << size[2] << "\n"
+                      << "CompressedData = " << (isStream ? "True" : "False") << "\n"
                       << "ElementType = MET_UCHAR\nElementDataFile = "
                       << std::filesystem::path(path).filename().string() << ".raw\n";
 }
@@ -145,9 +156,9 @@ TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
 class FirstContact : public testing::Test
 {
 protected:
-  FirstContact()
+  explicit FirstContact(bool isStream = false)
   {
-    OnFirstRank([&] { WriteSource(this->Image, this->Folder.GetPath("scan.mhd")); });
+    OnFirstRank([&] { WriteSource(this->Image, this->Folder.GetPath("scan.mhd"), isStream); });
     this->Reader->SetSourceName(this->Folder.GetPath("scan.mhd").c_str());
     this->Reader->AllowCoarse(1);
     this->Update();
@@ -171,6 +182,59 @@ protected:
       this->Reader->AdvanceIndex(5);
     } while (this->Reader->GetIndexing()[0] == 1);
     return this->Reader->GetIndexing()[0];
+  }
+
+  void ExpectExactSurfaceOfAllThatIsIndexed()
+  {
+    this->Contour->Modified();
+    ShowByHand(this->Contour);
+    EXPECT_EQ(this->Advance(), 2);
+    const auto prepare = [&]
+    {
+      this->Contour->PrepareRefinement(1000);
+      return static_cast<int>(this->Contour->GetRefinement()[0]);
+    };
+    EXPECT_EQ(prepare(), 4);
+    int stage = 4;
+    for (int tries = 0; stage == 4 && tries < 100; ++tries) // ranks that share a core take long
+    {
+      stage = prepare();
+    }
+    EXPECT_EQ(stage, 2);
+    this->Contour->Refine();
+    ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+    EXPECT_EQ(prepare(), 0) << "all is exact";
+    EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+  }
+
+  void ExpectGrowingSurface()
+  {
+    this->Contour->Modified();
+    this->Contour->AllowCoarse(1);
+    this->Update();
+    this->Contour->AllowCoarse(0);
+    const auto prepare = [&]
+    {
+      this->Contour->PrepareRefinement(5);
+      if (this->Contour->GetRefinement()[0] == 2)
+      {
+        this->Contour->Refine();
+        this->Update();
+      }
+    };
+    do
+    {
+      this->Reader->AdvanceIndex(5);
+      prepare();
+    } while (this->Reader->GetIndexing()[0] == 1);
+    for (int tries = 0; this->Contour->GetRefinement()[0] != 0 && tries < 10000; ++tries)
+    {
+      // A surface that has grown rests for twice the time that it took.
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      prepare();
+    }
+    ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
+    EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
   }
 
   static constexpr double Isovalue = 60.5;
@@ -200,55 +264,32 @@ TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
 
 TEST_F(FirstContact, IsExactWhereTheFileIsIndexed)
 {
-  this->Contour->Modified();
-  ShowByHand(this->Contour);
-  EXPECT_EQ(this->Advance(), 2);
-  const auto prepare = [&]
-  {
-    this->Contour->PrepareRefinement(1000);
-    return static_cast<int>(this->Contour->GetRefinement()[0]);
-  };
-  EXPECT_EQ(prepare(), 4);
-  int stage = 4;
-  for (int tries = 0; stage == 4 && tries < 100; ++tries) // ranks that share a core take long
-  {
-    stage = prepare();
-  }
-  EXPECT_EQ(stage, 2);
-  this->Contour->Refine();
-  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
-  EXPECT_EQ(prepare(), 0) << "all is exact";
-  EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+  this->ExpectExactSurfaceOfAllThatIsIndexed();
 }
 
 TEST_F(FirstContact, GrowsWhileTheFileIsIndexed)
 {
-  this->Contour->Modified();
-  this->Contour->AllowCoarse(1);
-  this->Update();
-  this->Contour->AllowCoarse(0);
-  const auto prepare = [&]
+  this->ExpectGrowingSurface();
+}
+
+/// A file that can only be read in order.
+class FirstContactWithStream : public FirstContact
+{
+protected:
+  FirstContactWithStream()
+    : FirstContact(true)
   {
-    this->Contour->PrepareRefinement(5);
-    if (this->Contour->GetRefinement()[0] == 2)
-    {
-      this->Contour->Refine();
-      this->Update();
-    }
-  };
-  do
-  {
-    this->Reader->AdvanceIndex(5);
-    prepare();
-  } while (this->Reader->GetIndexing()[0] == 1);
-  for (int tries = 0; this->Contour->GetRefinement()[0] != 0 && tries < 10000; ++tries)
-  {
-    // A surface that has grown rests for twice the time that it took.
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    prepare();
   }
-  ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
-  EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+};
+
+TEST_F(FirstContactWithStream, IsExactWhereTheFileIsIndexed)
+{
+  this->ExpectExactSurfaceOfAllThatIsIndexed();
+}
+
+TEST_F(FirstContactWithStream, GrowsWhileTheFileIsIndexed)
+{
+  this->ExpectGrowingSurface();
 }
 
 TEST_F(FirstContact, TheSurfaceGetsNoCoarserWhenTheIndexIsTaken)
