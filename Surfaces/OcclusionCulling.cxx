@@ -166,6 +166,7 @@ bool OcclusionCulling::Conditions::operator==(const Conditions& other) const
 {
   return this->ModelToClip == other.ModelToClip && this->ModelToWorld == other.ModelToWorld &&
     this->Viewport == other.Viewport && this->Changed == other.Changed &&
+    this->BackfaceProperty == other.BackfaceProperty &&
     this->ClippingPlanes == other.ClippingPlanes && this->ColorsBefore == other.ColorsBefore &&
     this->DepthsBefore == other.DepthsBefore;
 }
@@ -178,6 +179,7 @@ OcclusionCulling::Conditions OcclusionCulling::FindConditions(
   std::memcpy(found.ModelToWorld.data(), actor->GetMatrix()->GetData(), sizeof(found.ModelToWorld));
   glGetIntegerv(GL_VIEWPORT, found.Viewport.data());
   found.Changed = std::max(changed, FindChange(renderer, actor));
+  found.BackfaceProperty = actor->GetBackfaceProperty(); // of the other one, VTK makes new buffers
   found.ClippingPlanes = FindClippingPlanes(this->Mapper);
   ReadColors(found.Viewport, found.ColorsBefore);
   ReadDepths(found.Viewport, found.DepthsBefore);

@@ -35,10 +35,10 @@ namespace isosurface
  * drawn where its depths are those of the image. The pixels that change then are drawn again at the
  * end, in the order of all triangles.
  *
- * With SharedDepths it also leaves out what is behind the triangles of other ranks.
+ * With SharedDepths it also leaves out what is behind the triangles of other ranks, and draws all at once.
  *
- * Within a DrawingBudget, unless depths are shared, it stops when the time is over, and goes on in the next image, where it was, if
- * nothing has changed: the view, what was drawn before the surface, and how it looks.
+ * Else, within a DrawingBudget, it stops when the time is over, and goes on in the next image, where it
+ * was, if nothing has changed: the view, what was drawn before the surface, and how it looks.
  */
 class OcclusionCulling
 {
@@ -89,6 +89,7 @@ private:
     std::array<double, 16> ModelToWorld{};
     std::array<int, 4> Viewport{};
     vtkMTimeType Changed = 0; ///< the surface, its look, or the light
+    const void* BackfaceProperty = nullptr;
     std::vector<double> ClippingPlanes;
     Colors ColorsBefore; ///< without the surface, as the next
     std::vector<float> DepthsBefore;

@@ -57,6 +57,8 @@ class Window:
         self.mapper.ScalarVisibilityOff()
         self.actor = vtkActor()
         self.actor.SetMapper(self.mapper)
+        self.older_still = vtkProperty()
+        self.older_still.SetColor(0.1, 0.3, 0.9)
         self.older = vtkProperty()
         self.older.SetColor(0.9, 0.8, 0.1)
         self.renderer = vtkRenderer()
@@ -275,6 +277,7 @@ class Drawing(unittest.TestCase):
             self.add_plane,
             lambda window: window.plane.SetOrigin(0, 5, 0),
             lambda window: window.actor.SetProperty(window.older),
+            lambda window: window.actor.SetBackfaceProperty(window.older_still),
         ]
         for change in changes:
             self.assertFalse(self.some.draw_portion())
