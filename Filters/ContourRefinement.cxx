@@ -256,13 +256,10 @@ Refinement ContourExecution::PrepareGrowth(Communicator& ranks, double seconds)
   ranks.ReduceMinimum(all);
   if (all[1] == 0)
   {
-    // What is shown stays. If the source is at fault, indexing it tells.
+    // What is shown stays. Indexing tells what is at fault, or a query of the index.
     this->OfVolumes.DropPrepared();
     pass.GrowthEnded = true;
-    if (pass.FinishedSlices == 0)
-    {
-      pass.AreShown = nullptr;
-    }
+    pass.AreShown = nullptr;
     refinement = {};
   }
   else if (all[0] != 0)
@@ -280,10 +277,18 @@ Refinement ContourExecution::BeginGrowth(Communicator& ranks)
   this->OfVolumes.DropPrepared(); // all ranks begin, or none does
   // Asked first, so that nothing is added afterwards.
   const bool hasEnded = pass.Finished->HasEnded();
-  std::vector<std::uint64_t> all = { hasEnded ? 1U : 0U,
-    static_cast<std::uint64_t>(pass.Finished->CountSlices()) };
+  const std::int64_t mine = pass.Finished->CountSlices();
+  // Each rank extracts the records that it has written, so no piece may be wanted twice or not at all.
+  const bool hasPieces =
+    mine == 0 || pass.Finished->GetHeader().IsInPlace() || pass.Query.Ranks == ranks.GetSize();
+  std::vector<std::uint64_t> all = { hasEnded ? 1U : 0U, static_cast<std::uint64_t>(mine),
+    hasPieces ? 1U : 0U };
   ranks.ReduceMinimum(all);
   const auto finished = static_cast<std::int64_t>(all[1]);
+  if (all[2] == 0)
+  {
+    return refinement;
+  }
   if (finished == 0)
   {
     refinement.Stage = all[0] != 0 ? RefinementStage::None : RefinementStage::Growing;
@@ -354,6 +359,10 @@ bool ContourExecution::IsGrowthDue(Communicator& ranks, std::int64_t slices, Ref
   refinement.FreeBytes = static_cast<double>(all[1]);
   const bool fits =
     refinement.FreeBytes <= 0 || refinement.Bytes <= UsableMemoryShare * refinement.FreeBytes;
+  if (!fits)
+  {
+    pass.AreShown = nullptr; // a larger sample shows more
+  }
   return slices > pass.FinishedSlices && all[0] != 0 && fits;
 }
 

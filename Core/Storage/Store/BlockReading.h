@@ -8,6 +8,7 @@
 #include "Storage/Store/BlockReference.h"
 #include "Storage/Store/BlockStore.h"
 #include "Storage/Store/QueryStatistics.h"
+#include "Storage/Store/StoreRecords.h"
 #include "Storage/Store/VolumeStores.h"
 
 #include <cstddef>

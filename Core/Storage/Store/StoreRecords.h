@@ -31,7 +31,7 @@ public:
   static Result<std::unique_ptr<StoreRecords>> Open(FileSystem& files, const std::string& folder,
     const BlockedVolumeHeader& header, std::shared_ptr<SourceSamples> source = nullptr);
 
-  /// When it was opened.
+  /// The bytes of the file, when it was opened or later.
   std::uint64_t GetSize() const { return this->File->GetSize(); }
   const std::string& GetPath() const { return this->File->GetPath(); }
   /// Whether samples are in the volume's source.

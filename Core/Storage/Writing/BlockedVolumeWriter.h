@@ -63,7 +63,7 @@ struct BlockedVolumeSettings
   /// samples take uncompressed.
   std::function<void(const std::string& warning)> Warn;
   /// Called on each rank by its writing thread: the next blocks of the volume are finished, and can be
-  /// read (FinishedLayers).
+  /// read (FinishedLayers). Unless the volume is in place, each round waits until it is written.
   std::function<void(const BlockedVolumeHeader& volume, FinishedBlocks blocks)> WhenFinished;
   /// Bytes that a rank may take, besides those that its source had in memory before.
   std::uint64_t MemoryLimit = std::uint64_t{ 1 } << 30;

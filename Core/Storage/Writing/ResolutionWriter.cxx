@@ -7,6 +7,7 @@
 #include "Storage/Distribution/BlockBalancer.h"
 #include "Storage/Distribution/BlockDistribution.h"
 #include "Storage/Record/RecordCodec.h"
+#include "Storage/Store/FinishedBlocks.h"
 #include "Storage/Store/SpectraFile.h"
 #include "Storage/Store/VolumeSpectra.h"
 #include "Storage/Writing/BlockRounds.h"
@@ -105,7 +106,9 @@ std::uint64_t ResolutionWriter::GetTableBytes() const
   {
     mine += this->Context.IsMine(store) ? 1 : 0;
   }
-  bytes += mine * BlockStoreWriter::GetEntryBytes(WrittenStores::CountSegments(this->Header));
+  const std::uint64_t copies = this->TellsFinished && !this->Header.IsInPlace() ? 2 : 1;
+  bytes +=
+    copies * mine * BlockStoreWriter::GetEntryBytes(WrittenStores::CountSegments(this->Header));
   if (this->Counts)
   {
     bytes += this->Counts->GetSpectra().GetBytes();

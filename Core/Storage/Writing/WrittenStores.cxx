@@ -137,8 +137,11 @@ void WrittenStores::FindRecords(std::int64_t begin, std::int64_t end,
     const std::vector<BlockDirectoryEntry>& all = open.Writer->GetEntries();
     const auto first = std::lower_bound(all.begin(), all.end(), begin, isBefore);
     const auto last = std::lower_bound(first, all.end(), end, isBefore);
-    std::vector<BlockDirectoryEntry>& found = records[this->GetStorePath(store)];
-    found.insert(found.end(), first, last);
+    if (first != last)
+    {
+      std::vector<BlockDirectoryEntry>& found = records[this->GetStorePath(store)];
+      found.insert(found.end(), first, last);
+    }
   }
 }
 

@@ -9,8 +9,10 @@
 #include "Ground/Volume/SampleCopy.h"
 #include "Storage/Store/FinishedLayers.h"
 
-#include <atomic>
+#include <algorithm>
 #include <chrono>
+#include <map>
+#include <mutex>
 #include <thread>
 
 using namespace isosurface;
@@ -301,46 +303,68 @@ TEST_P(GrowingIndexTest, OfAStreamHasExactLayersBeforeItsEnd)
   const std::string source = "/data/scan.nrrd";
   const auto volume = WriteGzipNrrd(this->Disk, source);
   const auto index = FindIndex(this->Disk, source);
-  std::atomic<int> checked = 0;
+  const double isovalue = volume.At(100, 100, 90);
+  std::mutex mutex;
+  std::map<std::int64_t, std::size_t>
+    found; // active blocks of all ranks, by slices that are finished
+  const auto check = [&](FinishedLayers& finished, std::int64_t slices)
+  {
+    const auto blocks = Require(finished.FindBlocks({ 0, 0, { isovalue } }, { 0 }, slices, 0, 1));
+    for (std::size_t n = 0; n < blocks->GetNumberOfBlocks(); ++n)
+    {
+      const BlockSamples samples = Require(blocks->Acquire(n));
+      const VertexBox box = blocks->GetVertices(n);
+      const SampleVolume<std::int16_t> expected(box.GetSize(),
+        [&](auto i, auto j, auto k)
+        { return volume.At(box.Low[0] + i, box.Low[1] + j, box.Low[2] + k); });
+      for (const SampleView& view : { samples.Scalars, samples.Attributes[0].Components[0] })
+      {
+        std::vector<std::int16_t> read(expected.Samples.size());
+        CopyBox(view, box, box, read.data());
+        EXPECT_EQ(read, expected.Samples);
+      }
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    found[slices] += blocks->GetNumberOfBlocks();
+  };
   ThreadCommunicator::Run(this->GetParam(),
     [&](Communicator& ranks)
     {
       FinishedLayers finished(this->Disk, OpenForeignVolume, index.Path);
-      std::int64_t slices = 0;
-      const auto check = [&](double)
-      {
-        EXPECT_FALSE(this->Disk.Exists(index.Path));
-        if (finished.CountSlices() <= slices)
+      std::thread reader(
+        [&]
         {
-          return true;
-        }
-        slices = finished.CountSlices();
-        BlockQuery query;
-        query.Isovalues = { static_cast<double>(volume.At(100, 100, slices / 2)) };
-        const auto blocks = Require(finished.FindBlocks(query, { 0 }, slices, 0, 1));
-        for (std::size_t n = 0; n < blocks->GetNumberOfBlocks(); ++n, ++checked)
-        {
-          const BlockSamples samples = Require(blocks->Acquire(n));
-          const VertexBox box = blocks->GetVertices(n);
-          const SampleVolume<std::int16_t> expected(box.GetSize(),
-            [&](auto i, auto j, auto k)
-            { return volume.At(box.Low[0] + i, box.Low[1] + j, box.Low[2] + k); });
-          for (const SampleView& view : { samples.Scalars, samples.Attributes[0].Components[0] })
+          for (std::int64_t slices = 0; slices < 199;)
           {
-            std::vector<std::int16_t> read(expected.Samples.size());
-            CopyBox(view, box, box, read.data());
-            EXPECT_EQ(read, expected.Samples);
+            if (finished.CountSlices() > slices)
+            {
+              slices = std::min(slices + 32, std::int64_t{ 199 });
+              check(finished, slices);
+            }
           }
-        }
-        return true;
-      };
+        });
       const auto written = WriteSourceIndex(
-        ranks, this->Disk, index, std::uint64_t{ 24 } << 20, check, nullptr, &finished);
+        ranks, this->Disk, index, std::uint64_t{ 24 } << 20, {}, nullptr, &finished);
       EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
-      EXPECT_GT(slices, 31);
-      EXPECT_EQ(finished.CountSlices(), 199);
+      reader.join();
     });
-  EXPECT_GT(checked, 20);
+  const BlockGrid grid({ 256, 256, 200 }, 32);
+  for (const auto& [slices, blocks] : found)
+  {
+    std::size_t active = 0;
+    for (std::int64_t block = 0; block < grid.GetNumberOfBlocks(); ++block)
+    {
+      const VertexBox box = grid.GetVertices(block);
+      const SampleVolume<std::int16_t> samples(box.GetSize(),
+        [&](auto i, auto j, auto k)
+        { return volume.At(box.Low[0] + i, box.Low[1] + j, box.Low[2] + k); });
+      const auto [least, most] =
+        std::minmax_element(samples.Samples.begin(), samples.Samples.end());
+      active += box.Low[2] < slices && *least < isovalue && *most >= isovalue ? 1 : 0;
+    }
+    EXPECT_EQ(blocks, active) << slices;
+  }
+  EXPECT_EQ(found.size(), 7u);
 }
 
 TEST_P(GrowingIndexTest, LeavesTheOlderIndexAsItWasWhereverItIsDropped)
