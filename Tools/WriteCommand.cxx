@@ -6,6 +6,7 @@
 #include "Sandbox.h"
 
 #include "Formats/Opener/ForeignVolume.h"
+#include "Storage/Store/ChunkedSource.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
@@ -21,31 +22,50 @@ namespace isosurface
 namespace
 {
 
-/// What a volume in place has to know of its input; nothing if it is to have the samples itself.
-Result<std::optional<SourceRecord>> DescribeInput(
+/// What has to be known of an input of which a volume is made in place, or whose chunks are decoded.
+Result<SourceRecord> DescribeInput(
   const BlockVolumeOptions& options, const InputVolume& volume, std::size_t step)
 {
-  std::optional<SourceRecord> described;
-  if (options.IsInPlace && !IsForeignVolume(GetLocalFileSystem(), options.Input))
+  if (!IsForeignVolume(GetLocalFileSystem(), options.Input))
   {
     return Status(StatusCode::Unsupported,
       options.Input + ": cannot be indexed in place: VTK reads it, and as a whole");
   }
+  SourceRecord wanted;
+  wanted.Axes = options.Axes;
+  wanted.Step = step;
+  for (const ArrayDescription& array : volume.Arrays)
+  {
+    wanted.Arrays.push_back(array.Name);
+  }
+  return DescribeSource(GetLocalFileSystem(), OpenForeignVolume, options.Output, options.Input,
+    wanted, volume.Grid, volume.Arrays);
+}
+
+/// Has several threads decode the input. Returns what a volume in place has to know of it; nothing of one
+/// that is copied. If that cannot be described, as many files of one name, it is read as it was opened.
+Result<std::optional<SourceRecord>> PrepareInput(
+  const BlockVolumeOptions& options, InputVolume& volume, std::size_t step, int threads)
+{
+  std::optional<SourceRecord> inPlace;
+  if (!options.IsInPlace && !volume.Source->GetChunk())
+  {
+    return inPlace;
+  }
+  auto record = DescribeInput(options, volume, step);
+  Status prepared = record.GetStatus();
+  if (record.IsOk())
+  {
+    prepared = ChunkedSource::Replace(volume.Source, GetLocalFileSystem(), OpenForeignVolume,
+      options.Output, *record, volume.Grid, volume.Arrays,
+      { options.Settings.MemoryLimit / 4, threads, nullptr });
+  }
   if (options.IsInPlace)
   {
-    SourceRecord wanted;
-    wanted.Axes = options.Axes;
-    wanted.Step = step;
-    for (const ArrayDescription& array : volume.Arrays)
-    {
-      wanted.Arrays.push_back(array.Name);
-    }
-    auto record = DescribeSource(GetLocalFileSystem(), OpenForeignVolume, options.Output,
-      options.Input, wanted, volume.Grid, volume.Arrays);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-    described = std::move(*record);
+    ISOSURFACE_RETURN_IF_ERROR(prepared);
+    inPlace = std::move(*record);
   }
-  return described;
+  return inPlace;
 }
 
 /// What was written of a volume.
@@ -74,9 +94,10 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
     settings.Time = volume.Time;
   }
   settings.MemoryLimit -= volume.HeldBytes;
-  auto source = DescribeInput(options, volume, step);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(source.GetStatus()));
-  settings.InPlace = std::move(*source);
+  settings.Threads = ranks.ChooseThreads(settings.Threads);
+  auto inPlace = PrepareInput(options, volume, step, settings.Threads);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(inPlace.GetStatus()));
+  settings.InPlace = std::move(*inPlace);
   if (settings.InPlace)
   {
     settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;

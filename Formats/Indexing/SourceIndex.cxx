@@ -7,6 +7,7 @@
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/ChunkedSource.h"
 #include "Storage/Store/FinishedLayers.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
@@ -22,6 +23,9 @@ namespace isosurface
 {
 namespace
 {
+
+/// The share of the memory that decoded chunks may take.
+constexpr std::uint64_t CacheShare = 4;
 
 std::filesystem::path MakeAbsolute(const std::string& path)
 {
@@ -66,7 +70,7 @@ Result<OpenedStep> OpenStep(
   VolumeChoice choice;
   choice.Step = step;
   choice.Axes = index.Axes;
-  choice.CacheBytes = memoryBytes / 4;
+  choice.CacheBytes = memoryBytes / CacheShare;
   auto volume = OpenForeignVolume(files, index.Source, choice);
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
   SourceRecord wanted;
@@ -80,7 +84,9 @@ Result<OpenedStep> OpenStep(
     files, OpenForeignVolume, index.Path, index.Source, wanted, volume->Grid, volume->Arrays);
   ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
   OpenedStep opened{ std::move(*volume), {} };
-  opened.Settings.Distribution = DistributionMethod::Slab;
+  // Ranks read different slabs in place. Of a copy each has a part of what is finished, at any time.
+  opened.Settings.Distribution =
+    record->Chunk ? DistributionMethod::Slab : DistributionMethod::Random;
   opened.Settings.Lines = opened.Volume.Lines;
   // Each query would decode a stream from the front, so its samples are copied.
   (record->Chunk ? opened.Settings.InPlace : opened.Settings.CopyOf) = std::move(*record);
@@ -222,19 +228,30 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   BlockedVolumeWriter writer(ranks, files);
   std::string leftOut;
   std::size_t steps = 1;
+  const int threadsOfRank = ranks.ChooseThreads(threads);
   for (std::size_t step = 0; step < steps; ++step)
   {
     auto opened = Attempt(index.Source,
-      [&]
+      [&]() -> Result<OpenedStep>
       {
         auto found = OpenStep(files, index, step, memoryBytes);
-        if (found.IsOk() && finished && step == 0)
+        ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+        if (found->Settings.InPlace)
+        {
+          const bool isShared = finished && step == 0;
+          OpenedVolume& volume = found->Volume;
+          ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(volume.Source, files, OpenForeignVolume,
+            index.Path, *found->Settings.InPlace, volume.Grid, volume.Arrays,
+            { memoryBytes / CacheShare, threadsOfRank,
+              isShared ? BlockCache::GetProcessCache() : nullptr }));
+        }
+        if (finished && step == 0)
         {
           found->Settings.WhenFinished = [finished](
                                            const BlockedVolumeHeader& volume, FinishedBlocks blocks)
           { finished->Add(volume, std::move(blocks)); };
         }
-        if (found.IsOk() && collector && step == 0)
+        if (collector && step == 0)
         {
           collector->Attach(found->Volume);
         }
@@ -246,7 +263,7 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
     opened->Settings.Publish = step + 1 == steps;
-    opened->Settings.Threads = threads;
+    opened->Settings.Threads = threadsOfRank;
     const Progress tell = [&](double share) {
       return !progress ||
         progress((static_cast<double>(step) + share) / static_cast<double>(steps));

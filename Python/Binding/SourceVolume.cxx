@@ -6,6 +6,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/MemoryFileSystem.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Storage/Store/ChunkedSource.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
@@ -220,10 +221,26 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
   return Status::Ok();
 }
 
-Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(std::size_t timeStep, int)
+Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(std::size_t timeStep, int threads)
 {
   auto opened = this->OpenStep(timeStep);
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  if (opened->Source->GetChunk())
+  {
+    SourceRecord wanted;
+    wanted.Axes = this->Axes;
+    wanted.Step = timeStep;
+    std::transform(opened->Arrays.begin(), opened->Arrays.end(), std::back_inserter(wanted.Arrays),
+      [](const ArrayDescription& array) { return array.Name; });
+    const auto record = DescribeSource(GetLocalFileSystem(), OpenForeignVolume, this->Path,
+      this->Path, wanted, opened->Grid, opened->Arrays);
+    if (record.IsOk()) // else it is many files of one name, and is read as it was opened
+    {
+      static_cast<void>(ChunkedSource::Replace(opened->Source, GetLocalFileSystem(),
+        OpenForeignVolume, this->Path, *record, opened->Grid, opened->Arrays,
+        { VolumeChoice().CacheBytes, SerialCommunicator().ChooseThreads(threads), nullptr }));
+    }
+  }
   return std::move(opened->Source);
 }
 
@@ -251,8 +268,6 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
 Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   std::size_t timeStep, const Progress& progress)
 {
-  auto opened = this->OpenStep(timeStep);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
   const std::uint64_t bytes = static_cast<std::uint64_t>(this->Grid.GetNumberOfVertices()) *
     SumValueSizes(ArrayVariables(this->Arrays).GetStoredTypes());
   const std::uint64_t available = GetAvailableMemory();
@@ -263,6 +278,8 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
         ": has no index, and is too large to be searched in memory; "
         "make one with scalable_isosurface.index(), or a volume with create()");
   }
+  const auto source = this->OpenSource(timeStep, this->Threads);
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   const std::string path = this->Path + ".bvol-in-memory";
   const auto memory = std::make_shared<BlocksInMemory>(path);
   SerialCommunicator alone;
@@ -272,9 +289,8 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   settings.Lines = this->Lines;
   settings.Time = this->Times[timeStep];
   settings.Threads = this->Threads;
-  const auto written =
-    BlockedVolumeWriter(alone, memory->Files)
-      .Write(path, this->Grid, this->Arrays, *opened->Source, settings, progress);
+  const auto written = BlockedVolumeWriter(alone, memory->Files)
+                         .Write(path, this->Grid, this->Arrays, **source, settings, progress);
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
   auto volume = BlockedVolume::Open(path, memory->Files);
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());

@@ -19,23 +19,17 @@ BlockedVolume::BlockedVolume(VolumeLayout layout, FileSystem& files,
   , Cache(cache)
   , Stores(std::make_unique<VolumeStores>(*this, files, cache, opener))
 {
-  for (const VolumePart& part : this->GetParts())
+  for (const std::uint64_t dataset : this->ListDatasets())
   {
-    for (const std::uint64_t identity : part.Identities)
-    {
-      this->Cache->Retain(identity);
-    }
+    this->Cache->Retain(dataset);
   }
 }
 
 BlockedVolume::~BlockedVolume()
 {
-  for (const VolumePart& part : this->GetParts())
+  for (const std::uint64_t dataset : this->ListDatasets())
   {
-    for (const std::uint64_t identity : part.Identities)
-    {
-      this->Cache->Release(identity);
-    }
+    this->Cache->Release(dataset);
   }
 }
 

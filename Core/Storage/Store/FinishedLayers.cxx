@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/FinishedLayers.h"
 
-#include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/SampleRange.h"
-#include "Storage/Record/BlockRecord.h"
 #include "Storage/Store/StoreRecords.h"
 #include "Storage/Store/StoredBlockSource.h"
 
@@ -14,21 +12,6 @@
 
 namespace isosurface
 {
-namespace
-{
-
-/// A dataset of the block cache that nobody else has.
-std::uint64_t MakeDataset(const std::string& path)
-{
-  static std::atomic<std::uint64_t> count = 0;
-  Fingerprint fingerprint;
-  fingerprint.AddText(path + ", unfinished");
-  fingerprint.AddNumber(++count);
-  return fingerprint.Get();
-}
-
-} // namespace
-
 /// Some blocks.
 class FinishedLayers::Blocks : public BlockSource
 {
@@ -94,15 +77,7 @@ FinishedLayers::FinishedLayers(FileSystem& files, VolumeOpener opener, std::stri
   : Files(files)
   , Opener(opener)
   , Path(std::move(path))
-  , Cache(BlockCache::GetProcessCache())
-  , Dataset(MakeDataset(this->Path))
 {
-  this->Cache->Retain(this->Dataset);
-}
-
-FinishedLayers::~FinishedLayers()
-{
-  this->Cache->Release(this->Dataset);
 }
 
 void FinishedLayers::Add(const BlockedVolumeHeader& volume, FinishedBlocks blocks)
@@ -164,8 +139,9 @@ Status FinishedLayers::OpenSamples()
   const std::lock_guard<std::mutex> lock(this->OpeningMutex);
   if (!this->Samples)
   {
-    auto samples = SourceSamples::Open(
-      this->Files, this->Opener, this->Path, this->Header, 0, this->Dataset, this->Cache);
+    auto samples = SourceSamples::Open(this->Files, this->Opener, this->Path,
+      *this->Header.TimeSteps.back().Source, this->Header.Grid, this->Header.Arrays,
+      BlockCache::GetProcessCache());
     ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
     this->Samples = std::move(*samples);
   }
@@ -207,9 +183,14 @@ Result<FinishedLayers::ReadComponents> FinishedLayers::OpenRecords(
     const std::lock_guard<std::mutex> lock(this->Mutex);
     for (const auto& [folder, all] : this->Records)
     {
-      std::copy_if(all.begin(), all.end(), std::back_inserter(wanted[folder]),
+      std::vector<BlockDirectoryEntry> found;
+      std::copy_if(all.begin(), all.end(), std::back_inserter(found),
         [&](const BlockDirectoryEntry& entry)
         { return std::binary_search(blocks.begin(), blocks.end(), entry.Block); });
+      if (!found.empty())
+      {
+        wanted[folder] = std::move(found);
+      }
     }
   }
   const auto records = std::make_shared<std::map<std::int64_t, Record>>(); // by block

@@ -9,6 +9,7 @@
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Record/DecodedBlock.h"
 #include "Storage/Store/BlockCache.h"
+#include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/FinishedBlocks.h"
 #include "Storage/Store/SourceSamples.h"
@@ -29,8 +30,8 @@ namespace isosurface
 
 /**
  * The layers of blocks of a volume that are written, from the first one on, while others are not: what
- * is known of them, so that surfaces can be extracted there. Samples are read as those of the finished
- * volume are, so surfaces are the same: of a volume in place from the source, through the block cache;
+ * is known of them, so that surfaces can be extracted there. Samples are those of the finished volume,
+ * so surfaces are the same: of a volume in place they come from the source, through the block cache;
  * else from the records that this rank has written.
  *
  * The writer's thread calls Add and End. All functions may be called by several threads at
@@ -41,11 +42,7 @@ class FinishedLayers
 public:
   /// `path`: of the volume. `files` must outlive this object.
   FinishedLayers(FileSystem& files, VolumeOpener opener, std::string path);
-  FinishedLayers(const FinishedLayers&) = delete;
-  FinishedLayers& operator=(const FinishedLayers&) = delete;
-  ~FinishedLayers();
-
-  /// The next blocks of the only time step of a volume.
+  /// The next blocks of the first time step of a volume.
   void Add(const BlockedVolumeHeader& volume, FinishedBlocks blocks);
   /// Nothing is added any more.
   void End() { this->IsEnded = true; }
@@ -76,14 +73,12 @@ private:
   std::vector<std::int64_t> SelectBlocks(const BlockQuery& query, std::int64_t slices) const;
   /// Reads from the source, which is open.
   Result<DecodedBlocks> Gather(std::int64_t block, std::size_t first, std::size_t count) const;
-  /// Leaves those of the blocks whose records this rank has written, and opens these.
+  /// Keeps only those blocks whose records this rank has written, and opens their files.
   Result<ReadComponents> OpenRecords(std::vector<std::int64_t>& blocks) const;
 
   FileSystem& Files;
   const VolumeOpener Opener;
   const std::string Path;
-  const std::shared_ptr<BlockCache> Cache;
-  const std::uint64_t Dataset; ///< BlockCacheKey::Dataset
   BlockedVolumeHeader Header;
   BlockGrid Grid;
   std::atomic<bool> IsEnded = false;

@@ -2,6 +2,7 @@
 #include "Storage/Store/SourceRecord.h"
 
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/JsonDocument.h"
 
@@ -83,6 +84,24 @@ VolumeChoice SourceRecord::MakeChoice(const std::vector<std::string>& arrays) co
   choice.Arrays = arrays;
   choice.CacheBytes = 0; // whole chunks are read, and kept elsewhere
   return choice;
+}
+
+std::uint64_t SourceRecord::ComputeDataset() const
+{
+  Fingerprint fingerprint;
+  fingerprint.AddText(this->AbsolutePath);
+  fingerprint.AddText(this->Within);
+  fingerprint.AddText(this->Axes);
+  fingerprint.AddNumber(this->Step);
+  for (const std::string& array : this->Arrays)
+  {
+    fingerprint.AddText(array);
+  }
+  fingerprint.AddNumber(this->State.Files);
+  fingerprint.AddNumber(this->State.Bytes);
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->State.Modified));
+  fingerprint.AddNumber(this->Metadata);
+  return fingerprint.Get();
 }
 
 std::string SourceRecord::FindPath(FileSystem& files, const std::string& header) const

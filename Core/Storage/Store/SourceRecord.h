@@ -45,6 +45,9 @@ struct SourceRecord
   /// What to open in the source for some of its arrays.
   VolumeChoice MakeChoice(const std::vector<std::string>& arrays) const;
 
+  /// BlockCacheKey::Dataset of the source's chunks, whichever volume has them in place.
+  std::uint64_t ComputeDataset() const;
+
   /// The source's path seen from the current folder: Path, or else AbsolutePath, whichever exists;
   /// the first one if neither does. `header`: the path of the .bvol.
   std::string FindPath(FileSystem& files, const std::string& header) const;

@@ -42,17 +42,16 @@ void CopyPart(const std::uint8_t* from, const VertexBox& fromBox, const VertexBo
 } // namespace
 
 Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, VolumeOpener opener,
-  const std::string& path, const BlockedVolumeHeader& header, std::size_t timeStep,
-  std::uint64_t dataset, std::shared_ptr<BlockCache> cache)
+  const std::string& path, const SourceRecord& record, const GridGeometry& grid,
+  const std::vector<ArrayDescription>& arrays, std::shared_ptr<BlockCache> cache,
+  std::shared_ptr<BlockCache> sharedCache)
 {
-  const SourceRecord& record = *header.TimeSteps[timeStep].Source;
-  ISOSURFACE_RETURN_IF_ERROR(CheckSource(files, opener, path, record, header.Grid, header.Arrays));
+  ISOSURFACE_RETURN_IF_ERROR(CheckSource(files, opener, path, record, grid, arrays));
   std::shared_ptr<SourceSamples> samples(
-    new SourceSamples(files, opener, path, dataset, std::move(cache)));
+    new SourceSamples(files, opener, path, record, std::move(cache), std::move(sharedCache)));
   samples->Name = VolumeName{ record.FindPath(files, path), record.Within }.GetText();
-  samples->Record = record;
-  samples->Box = { { 0, 0, 0 }, header.Grid.GetDimensions() };
-  for (const ArrayDescription& described : header.Arrays)
+  samples->Box = { { 0, 0, 0 }, grid.GetDimensions() };
+  for (const ArrayDescription& described : arrays)
   {
     Array array;
     array.Name = record.Arrays[samples->Arrays.size()];
@@ -178,10 +177,16 @@ Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox
 Result<SourceSamples::Chunk> SourceSamples::GetChunk(
   Array& array, const Index3& chunk, QueryStatistics& statistics)
 {
+  const BlockCacheKey key = this->MakeKey(array, chunk);
+  const auto decode = [&] { return this->Decode(array, this->FindChunkBox(array, chunk)); };
+  const auto share = [&]
+  {
+    bool isShared = false;
+    return this->SharedCache->Get(key, decode, isShared);
+  };
   bool hit = false;
-  auto decoded = this->Cache->Get(
-    this->MakeKey(array, chunk),
-    [&] { return this->Decode(array, this->FindChunkBox(array, chunk)); }, hit);
+  auto decoded =
+    this->SharedCache ? this->Cache->Get(key, share, hit) : this->Cache->Get(key, decode, hit);
   if (decoded.IsOk())
   {
     statistics.BlockCacheHits += hit ? 1 : 0;

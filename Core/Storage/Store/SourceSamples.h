@@ -41,10 +41,15 @@ class SourceSamples
 {
 public:
   /// Opens the source of a time step of the volume `path`, and checks that it is as it was when it was
-  /// indexed (CheckSource). `dataset`: BlockCacheKey::Dataset of its chunks. `files` must outlive this.
+  /// indexed (CheckSource). A chunk that is not in `cache` is taken from `sharedCache`, and what is
+  /// decoded stays there, too; it may be null. `files` must outlive this.
   static Result<std::shared_ptr<SourceSamples>> Open(FileSystem& files, VolumeOpener opener,
-    const std::string& path, const BlockedVolumeHeader& header, std::size_t timeStep,
-    std::uint64_t dataset, std::shared_ptr<BlockCache> cache);
+    const std::string& path, const SourceRecord& record, const GridGeometry& grid,
+    const std::vector<ArrayDescription>& arrays, std::shared_ptr<BlockCache> cache,
+    std::shared_ptr<BlockCache> sharedCache = nullptr);
+  SourceSamples(const SourceSamples&) = delete;
+  SourceSamples& operator=(const SourceSamples&) = delete;
+  ~SourceSamples() { this->Cache->Release(this->Dataset); }
 
   /// Writes the samples of a component in a box within the grid to `to`: x fastest, without gaps.
   /// Cost: decoding the chunks that the box touches and that are not in the cache; the bytes that
@@ -80,14 +85,18 @@ private:
   };
   using Chunk = std::shared_ptr<const DecodedBlock>;
 
-  SourceSamples(FileSystem& files, VolumeOpener opener, std::string volume, std::uint64_t dataset,
-    std::shared_ptr<BlockCache> cache)
+  SourceSamples(FileSystem& files, VolumeOpener opener, std::string volume,
+    const SourceRecord& record, std::shared_ptr<BlockCache> cache,
+    std::shared_ptr<BlockCache> sharedCache)
     : Files(files)
     , Opener(opener)
     , Volume(std::move(volume))
-    , Dataset(dataset)
+    , Record(record)
+    , Dataset(record.ComputeDataset())
     , Cache(std::move(cache))
+    , SharedCache(std::move(sharedCache))
   {
+    this->Cache->Retain(this->Dataset);
   }
 
   /// `paths` (may be null): the files of the source.
@@ -112,7 +121,8 @@ private:
   std::vector<std::string> Paths; ///< of the source's files
   std::uint64_t Dataset;
   std::shared_ptr<BlockCache> Cache;
-  VertexBox Box; ///< of the grid
+  std::shared_ptr<BlockCache> SharedCache; ///< or null
+  VertexBox Box;                           ///< of the grid
   std::vector<Array> Arrays;
   std::vector<std::size_t> ArrayOf; ///< per component
   std::mutex Mutex;                 ///< of Array::Idle

@@ -85,6 +85,23 @@ StoredLevel VolumeLayout::FindLevel(int level) const
   return { part, level - this->Parts[part].FirstLevel, &this->Parts[part].Grid };
 }
 
+std::vector<std::uint64_t> VolumeLayout::ListDatasets() const
+{
+  std::vector<std::uint64_t> datasets;
+  for (const VolumePart& part : this->Parts)
+  {
+    datasets.insert(datasets.end(), part.Identities.begin(), part.Identities.end());
+  }
+  for (const TimeStepDescription& step : this->GetHeader().TimeSteps)
+  {
+    if (step.Source)
+    {
+      datasets.push_back(step.Source->ComputeDataset());
+    }
+  }
+  return datasets;
+}
+
 BlockCacheKey VolumeLayout::MakeKey(
   std::int64_t block, std::size_t timeStep, std::size_t variable, const StoredLevel& stored) const
 {

@@ -64,6 +64,8 @@ public:
   {
     return stored.Part == 0 && this->GetHeader().IsInPlace();
   }
+  /// BlockCacheKey::Dataset of all that can be cached: blocks, and chunks of sources.
+  std::vector<std::uint64_t> ListDatasets() const;
   BlockCacheKey MakeKey(std::int64_t block, std::size_t timeStep, std::size_t variable,
     const StoredLevel& stored) const;
 

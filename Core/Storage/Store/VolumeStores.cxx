@@ -320,8 +320,9 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   if (!kept)
   {
     const VolumePart& part = this->Layout.GetParts().front();
+    const BlockedVolumeHeader& header = part.Header;
     auto opened = SourceSamples::Open(this->Files, this->Opener, this->Layout.GetPath(),
-      part.Header, timeStep, part.Identities[timeStep], this->Cache);
+      *header.TimeSteps[timeStep].Source, header.Grid, header.Arrays, this->Cache);
     ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
     kept = *opened;
   }

@@ -125,9 +125,8 @@ private:
       return nullptr;
     }
     constexpr std::uint64_t cacheBytes = std::uint64_t{ 1 } << 28;
-    const auto number = static_cast<std::size_t>(&step - header.TimeSteps.data());
-    const auto source = SourceSamples::Open(this->Files, this->Opener, this->Path, header, number,
-      0, std::make_shared<BlockCache>(cacheBytes));
+    const auto source = SourceSamples::Open(this->Files, this->Opener, this->Path, *step.Source,
+      header.Grid, header.Arrays, std::make_shared<BlockCache>(cacheBytes));
     if (!source.IsOk())
     {
       this->AddFault(Status(source.GetStatus().GetCode(),

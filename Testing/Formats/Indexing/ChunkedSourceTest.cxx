@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Storage/Store/ChunkedSource.h"
+#include "Fixtures/Require.h"
+#include "Fixtures/SampleFiles.h"
+#include "Fixtures/VolumeOnDisk.h"
+#include "Fixtures/ZarrOnDisk.h"
+#include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Volume/SampleCopy.h"
+
+using namespace isosurface;
+
+namespace
+{
+
+const std::string ChunkedPath = "/data/scan.zarr";
+const std::string ChunkedVolume = "/data/scan.bvol";
+const Index3 ChunkedSize = { 70, 45, 51 };
+constexpr std::uint64_t EnoughForAll = std::uint64_t{ 1 } << 24;
+
+class ChunkedSourceTest : public testing::Test
+{
+protected:
+  ChunkedSourceTest() { WriteZarr(this->Disk, ChunkedPath, this->Samples, { 16, 11, 20 }); }
+
+  /// Opens the file, and has threads decode it.
+  std::unique_ptr<BoxSource> Open(const std::string& path, const ChunkDecoding& decoding)
+  {
+    OpenedVolume opened = Require(OpenForeignVolume(this->Disk, path));
+    const SourceRecord record = Require(DescribeSource(
+      this->Disk, OpenForeignVolume, ChunkedVolume, path, {}, opened.Grid, opened.Arrays));
+    this->Plain = opened.Source.get();
+    const Status replaced = ChunkedSource::Replace(opened.Source, this->Disk, OpenForeignVolume,
+      ChunkedVolume, record, opened.Grid, opened.Arrays, decoding);
+    EXPECT_TRUE(replaced.IsOk()) << replaced.GetMessage();
+    return std::move(opened.Source);
+  }
+
+  void ExpectSamples(BoxSource& source, const VertexBox& box) const
+  {
+    const BoxSamples read = Require(source.Read(box));
+    ASSERT_TRUE(read.Fits({ ValueType::Int16 }, box));
+    std::vector<std::int16_t> samples(static_cast<std::size_t>(box.GetNumberOfVertices()));
+    CopyBox(read.Arrays[0], box, box, samples.data());
+    const SampleVolume<std::int16_t> expected(box.GetSize(),
+      [&](auto i, auto j, auto k)
+      { return this->Samples.At(box.Low[0] + i, box.Low[1] + j, box.Low[2] + k); });
+    EXPECT_EQ(samples, expected.Samples);
+  }
+
+  const SampleVolume<std::int16_t> Samples = MakeVolume<std::int16_t>(ChunkedSize);
+  MemoryDisk Disk;
+  const BoxSource* Plain = nullptr; ///< as it was opened
+};
+
+} // namespace
+
+TEST_F(ChunkedSourceTest, BoxesHaveTheSamplesOfTheFileWithAnyNumberOfThreads)
+{
+  for (const int threads : { 1, 2, 7 })
+  {
+    const auto source = this->Open(ChunkedPath, { EnoughForAll, threads, nullptr });
+    EXPECT_NE(source.get(), this->Plain);
+    for (const VertexBox& box :
+      { VertexBox{ { 0, 0, 0 }, ChunkedSize }, VertexBox{ { 15, 10, 19 }, { 17, 12, 21 } },
+        VertexBox{ { 0, 3, 50 }, { 70, 45, 51 } }, VertexBox{ { 5, 0, 7 }, { 6, 45, 44 } } })
+    {
+      this->ExpectSamples(*source, box);
+    }
+  }
+}
+
+TEST_F(ChunkedSourceTest, ChunksStayForOthersAndAreDecodedOnce)
+{
+  const auto shared = std::make_shared<BlockCache>(EnoughForAll);
+  const auto source = this->Open(ChunkedPath, { EnoughForAll, 2, shared });
+  for (std::int64_t slice = 0; slice < ChunkedSize[2]; slice += 17)
+  {
+    this->ExpectSamples(*source, { { 0, 0, slice }, { 70, 45, slice + 17 } });
+  }
+  // Nobody can decode them any more.
+  const OpenedVolume opened = Require(OpenForeignVolume(this->Disk, ChunkedPath));
+  const SourceRecord record = Require(DescribeSource(
+    this->Disk, OpenForeignVolume, ChunkedVolume, ChunkedPath, {}, opened.Grid, opened.Arrays));
+  const auto others = Require(SourceSamples::Open(
+    this->Disk, OpenForeignVolume, ChunkedVolume, record, opened.Grid, opened.Arrays, shared));
+  for (const auto& [path, bytes] : this->Disk.GetFiles())
+  {
+    if (path.back() != 'y') // .zarray
+    {
+      bytes->clear();
+    }
+  }
+  std::vector<std::int16_t> samples(this->Samples.Samples.size());
+  QueryStatistics statistics;
+  const Status read = others->Read(
+    0, { { 0, 0, 0 }, ChunkedSize }, reinterpret_cast<std::uint8_t*>(samples.data()), statistics);
+  EXPECT_TRUE(read.IsOk()) << read.GetMessage();
+  EXPECT_EQ(statistics.BlocksRead, 0u);
+  EXPECT_EQ(samples, this->Samples.Samples);
+}
+
+TEST_F(ChunkedSourceTest, FilesWithNothingToDecodeOrTooLargeLayersAreReadAsTheyWereOpened)
+{
+  EXPECT_EQ(this->Open(ChunkedPath, { 70 * 45 * 20 * 2, 2, nullptr }).get(), this->Plain)
+    << "the cache needs more than the samples";
+  this->Disk.SetFile("/data/scan_70x45x51_int16.raw", MakeBytes(this->Samples));
+  EXPECT_EQ(
+    this->Open("/data/scan_70x45x51_int16.raw", { EnoughForAll, 2, nullptr }).get(), this->Plain);
+}
+
+TEST_F(ChunkedSourceTest, ADamagedChunkIsOneErrorThatNamesIt)
+{
+  const auto source = this->Open(ChunkedPath, { EnoughForAll, 3, nullptr });
+  this->Disk.GetFile(ChunkedPath + "/1.2.3").resize(100);
+  this->ExpectSamples(*source, { { 0, 0, 0 }, { 70, 45, 20 } });
+  const auto read = source->Read({ { 0, 0, 0 }, ChunkedSize });
+  ASSERT_FALSE(read.IsOk());
+  EXPECT_NE(read.GetStatus().GetMessage().find(ChunkedPath + "/1.2.3"), std::string::npos)
+    << read.GetStatus().GetMessage();
+  EXPECT_FALSE(source->Read({ { 48, 22, 30 }, { 50, 24, 31 } }).IsOk()) << "it is not kept";
+}
