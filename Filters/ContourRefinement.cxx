@@ -359,7 +359,7 @@ bool ContourExecution::IsGrowthDue(Communicator& ranks, std::int64_t slices, Ref
   refinement.FreeBytes = static_cast<double>(all[1]);
   const bool fits =
     refinement.FreeBytes <= 0 || refinement.Bytes <= UsableMemoryShare * refinement.FreeBytes;
-  if (!fits)
+  if (!fits && slices > pass.FinishedSlices)
   {
     pass.AreShown = nullptr; // a larger sample shows more
   }

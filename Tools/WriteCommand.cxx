@@ -22,11 +22,13 @@ namespace isosurface
 namespace
 {
 
-/// What has to be known of an input of which a volume is made in place, or whose chunks are decoded.
-Result<SourceRecord> DescribeInput(
-  const BlockVolumeOptions& options, const InputVolume& volume, std::size_t step)
+/// Has several threads decode the input. Returns what a volume in place has to know of it; nothing if the
+/// volume is to have the samples itself.
+Result<std::optional<SourceRecord>> PrepareInput(
+  const BlockVolumeOptions& options, InputVolume& volume, std::size_t step, int threads)
 {
-  if (!IsForeignVolume(GetLocalFileSystem(), options.Input))
+  FileSystem& files = GetLocalFileSystem();
+  if (options.IsInPlace && !IsForeignVolume(files, options.Input))
   {
     return Status(StatusCode::Unsupported,
       options.Input + ": cannot be indexed in place: VTK reads it, and as a whole");
@@ -38,33 +40,17 @@ Result<SourceRecord> DescribeInput(
   {
     wanted.Arrays.push_back(array.Name);
   }
-  return DescribeSource(GetLocalFileSystem(), OpenForeignVolume, options.Output, options.Input,
-    wanted, volume.Grid, volume.Arrays);
-}
-
-/// Has several threads decode the input. Returns what a volume in place has to know of it; nothing of one
-/// that is copied. If that cannot be described, as many files of one name, it is read as it was opened.
-Result<std::optional<SourceRecord>> PrepareInput(
-  const BlockVolumeOptions& options, InputVolume& volume, std::size_t step, int threads)
-{
   std::optional<SourceRecord> inPlace;
-  if (!options.IsInPlace && !volume.Source->GetChunk())
-  {
-    return inPlace;
-  }
-  auto record = DescribeInput(options, volume, step);
-  Status prepared = record.GetStatus();
-  if (record.IsOk())
-  {
-    prepared = ChunkedSource::Replace(volume.Source, GetLocalFileSystem(), OpenForeignVolume,
-      options.Output, *record, volume.Grid, volume.Arrays,
-      { options.Settings.MemoryLimit / 4, threads, nullptr });
-  }
   if (options.IsInPlace)
   {
-    ISOSURFACE_RETURN_IF_ERROR(prepared);
+    auto record = DescribeSource(
+      files, OpenForeignVolume, options.Output, options.Input, wanted, volume.Grid, volume.Arrays);
+    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
     inPlace = std::move(*record);
   }
+  ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(volume.Source, files, OpenForeignVolume,
+    options.Output, options.Input, inPlace.value_or(wanted), volume.Grid, volume.Arrays,
+    { options.Settings.MemoryLimit / 4, threads, {} }));
   return inPlace;
 }
 

@@ -61,6 +61,7 @@ public:
     return Index3{ this->Box.High[0], this->Box.High[1], 1 };
   }
 
+  bool DecodesInParallel() const override { return true; }
   std::unique_ptr<BoxSource> Fork() const override
   {
     return std::make_unique<DicomSource>(this->Series, this->Type);

@@ -86,6 +86,7 @@ public:
   const Numbers& GetShape() const override { return this->Shape; }
   ValueType GetType() const override { return this->Type; }
   Numbers GetChunk() const override { return this->Chunk; }
+  bool DecodesInParallel() const override { return this->HasCommonCoding; }
   std::uint64_t GetCacheBytes() const override { return this->CacheBytes; }
   std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
 
@@ -124,6 +125,7 @@ public:
     {
       return this->MakeChunkError();
     }
+    this->HasCommonCoding = this->Coding.has_value();
     if (cacheBytes > 0) // the library decodes; else somebody keeps chunks, and reads whole ones
     {
       this->Coding.reset();
@@ -199,6 +201,7 @@ private:
   ValueType Type;
   Numbers Chunk;
   std::optional<Hdf5ChunkCoding> Coding;
+  bool HasCommonCoding = false;     ///< of chunks that are read as a whole
   std::vector<std::uint8_t> Stored; ///< a chunk, encoded
   std::uint64_t CacheBytes = 0;
   std::uint64_t HeldBytes = std::uint64_t{ 2 } << 20; // buffers of the conversion

@@ -238,12 +238,15 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
         ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
         if (found->Settings.InPlace)
         {
-          const bool isShared = finished && step == 0;
           OpenedVolume& volume = found->Volume;
-          ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(volume.Source, files, OpenForeignVolume,
-            index.Path, *found->Settings.InPlace, volume.Grid, volume.Arrays,
-            { memoryBytes / CacheShare, threadsOfRank,
-              isShared ? BlockCache::GetProcessCache() : nullptr }));
+          ChunkDecoding decoding = { memoryBytes / CacheShare, threadsOfRank, {} };
+          if (finished && step == 0)
+          {
+            decoding.IsShared = [finished] { return finished->AreShown(); };
+          }
+          ISOSURFACE_RETURN_IF_ERROR(
+            ChunkedSource::Replace(volume.Source, files, OpenForeignVolume, index.Path,
+              index.Source, *found->Settings.InPlace, volume.Grid, volume.Arrays, decoding));
         }
         if (finished && step == 0)
         {

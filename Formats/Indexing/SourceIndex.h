@@ -73,9 +73,10 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
 
 /**
  * Collective. Indexes all time steps of a source, its blocks in slabs, or at random where they are
- * copied, over as many stores as there are ranks, and returns what of the source is left out (OpenedVolume::LeftOut). On an
- * error or stop, an older index stays as it was; what was written of this one is kept, too, and the
- * next call goes on there if the source is the same (BlockedVolumeSettings::JournalSeconds).
+ * copied, over as many stores as there are ranks, and returns what of the source is left out
+ * (OpenedVolume::LeftOut). On an error or stop, an older index stays as it was; what was written of
+ * this one is kept, too, and the next call goes on there if the source is the same
+ * (BlockedVolumeSettings::JournalSeconds).
  * `collector`, if there is one, sees what is read of the first time step. `finished`, which all ranks
  * have or none, is told which blocks of it are finished. `threads`:
  * BlockedVolumeSettings::Threads. Cost and errors: as BlockedVolumeWriter.

@@ -241,6 +241,15 @@ bool ArraySource::HasCheapRows() const
     });
 }
 
+bool ArraySource::DecodesInParallel() const
+{
+  // Channels in chunks of their own alone: others are decoded once for all of them.
+  std::set<const StoredArray*> arrays;
+  return std::all_of(this->Parts.begin(), this->Parts.end(),
+    [&](const ArrayPart& part)
+    { return part.Array->DecodesInParallel() && arrays.insert(part.Array.get()).second; });
+}
+
 Result<BoxSamples> ArraySource::Read(const VertexBox& box)
 {
   auto samples = this->Pool->Take(this->GetReadBytes(box));

@@ -60,6 +60,7 @@ public:
   std::optional<Index3> GetChunk() const override;
   /// Whether no part has chunks, and z is the slowest of the axes of each.
   bool HasCheapRows() const override;
+  bool DecodesInParallel() const override;
   Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:

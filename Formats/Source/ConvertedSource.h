@@ -50,6 +50,7 @@ public:
   std::int64_t GetRowsAtOnce() const override { return this->Source->GetRowsAtOnce(); }
   std::optional<Index3> GetChunk() const override { return this->Source->GetChunk(); }
   bool HasCheapRows() const override { return this->Source->HasCheapRows(); }
+  bool DecodesInParallel() const override { return this->Source->DecodesInParallel(); }
   void Prefetch(const VertexBox& box) const override { this->Source->Prefetch(box); }
   bool CanReadAhead() const override { return this->Source->CanReadAhead(); }
   Result<BoxSamples> Read(const VertexBox& box) override;

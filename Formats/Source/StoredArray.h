@@ -29,6 +29,8 @@ public:
   virtual ValueType GetType() const = 0;
   /// Samples on each axis that are decoded together; empty if any sample can be read alone.
   virtual Numbers GetChunk() const { return {}; }
+  /// Whether several open ones of the same file, each of a thread, decode chunks at the same time.
+  virtual bool DecodesInParallel() const { return false; }
   /// What decoded chunks may take between reads.
   virtual std::uint64_t GetCacheBytes() const { return 0; }
   /// The maximum memory for reading, besides the samples: decoded chunks, a conversion buffer.

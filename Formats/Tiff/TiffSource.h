@@ -44,6 +44,7 @@ public:
   std::uint64_t GetHeldBytes() const override;
   /// Of one page, so many strips or tiles that a block needs few chunks of it.
   std::optional<Index3> GetChunk() const override { return this->Chunk; }
+  bool DecodesInParallel() const override { return true; }
   Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:

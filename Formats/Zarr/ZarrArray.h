@@ -32,6 +32,7 @@ public:
   const Numbers& GetShape() const override { return this->Metadata.Shape; }
   ValueType GetType() const override { return this->Metadata.Type; }
   Numbers GetChunk() const override { return this->Metadata.Chunk; }
+  bool DecodesInParallel() const override { return true; }
   std::uint64_t GetCacheBytes() const override { return this->CacheBytes; }
   std::uint64_t GetHeldBytes() const override;
   Status Read(const Numbers& low, const Numbers& size, std::uint8_t* to) override;

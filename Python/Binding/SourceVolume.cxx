@@ -221,26 +221,19 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
   return Status::Ok();
 }
 
-Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(std::size_t timeStep, int threads)
+Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(
+  std::size_t timeStep, int threads, std::uint64_t memoryBytes)
 {
   auto opened = this->OpenStep(timeStep);
   ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-  if (opened->Source->GetChunk())
-  {
-    SourceRecord wanted;
-    wanted.Axes = this->Axes;
-    wanted.Step = timeStep;
-    std::transform(opened->Arrays.begin(), opened->Arrays.end(), std::back_inserter(wanted.Arrays),
-      [](const ArrayDescription& array) { return array.Name; });
-    const auto record = DescribeSource(GetLocalFileSystem(), OpenForeignVolume, this->Path,
-      this->Path, wanted, opened->Grid, opened->Arrays);
-    if (record.IsOk()) // else it is many files of one name, and is read as it was opened
-    {
-      static_cast<void>(ChunkedSource::Replace(opened->Source, GetLocalFileSystem(),
-        OpenForeignVolume, this->Path, *record, opened->Grid, opened->Arrays,
-        { VolumeChoice().CacheBytes, SerialCommunicator().ChooseThreads(threads), nullptr }));
-    }
-  }
+  SourceRecord wanted;
+  wanted.Axes = this->Axes;
+  wanted.Step = timeStep;
+  std::transform(opened->Arrays.begin(), opened->Arrays.end(), std::back_inserter(wanted.Arrays),
+    [](const ArrayDescription& array) { return array.Name; });
+  ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(opened->Source, GetLocalFileSystem(),
+    OpenForeignVolume, this->Path, this->Path, wanted, opened->Grid, opened->Arrays,
+    { memoryBytes / 4, SerialCommunicator().ChooseThreads(threads), {} }));
   return std::move(opened->Source);
 }
 
@@ -278,8 +271,6 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
         ": has no index, and is too large to be searched in memory; "
         "make one with scalable_isosurface.index(), or a volume with create()");
   }
-  const auto source = this->OpenSource(timeStep, this->Threads);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   const std::string path = this->Path + ".bvol-in-memory";
   const auto memory = std::make_shared<BlocksInMemory>(path);
   SerialCommunicator alone;
@@ -289,6 +280,8 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   settings.Lines = this->Lines;
   settings.Time = this->Times[timeStep];
   settings.Threads = this->Threads;
+  const auto source = this->OpenSource(timeStep, this->Threads, settings.MemoryLimit);
+  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   const auto written = BlockedVolumeWriter(alone, memory->Files)
                          .Write(path, this->Grid, this->Arrays, **source, settings, progress);
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());

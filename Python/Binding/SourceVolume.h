@@ -30,7 +30,8 @@ public:
   /// One thread reads at a time. Memory: 64 MiB, or what the file has to decode at once.
   Status Read(const SampleRequest& request, void* samples, const Progress& progress) override;
   /// Its chunks are decoded by several threads.
-  Result<std::unique_ptr<BoxSource>> OpenSource(std::size_t timeStep, int threads) override;
+  Result<std::unique_ptr<BoxSource>> OpenSource(
+    std::size_t timeStep, int threads, std::uint64_t memoryBytes) override;
   /// Reads all samples of the time step into blocks in memory, unless they are there. They stay until
   /// those of another time step are read and nobody uses them. OutOfMemory if they take more than a
   /// third of the free memory.

@@ -110,7 +110,8 @@ Status StoredVolume::Read(const SampleRequest& given, void* samples, const Progr
   return Status::Ok();
 }
 
-Result<std::unique_ptr<BoxSource>> StoredVolume::OpenSource(std::size_t timeStep, int threads)
+Result<std::unique_ptr<BoxSource>> StoredVolume::OpenSource(
+  std::size_t timeStep, int threads, std::uint64_t)
 {
   std::vector<std::size_t> arrays(this->GetArrays().size());
   std::iota(arrays.begin(), arrays.end(), std::size_t{ 0 });

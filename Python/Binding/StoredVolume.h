@@ -30,7 +30,8 @@ public:
   LevelDescription Describe(int level) const override;
   /// Cost: LevelSamples::Read for each component; LevelSamples::Open for the first of a level.
   Status Read(const SampleRequest& request, void* samples, const Progress& progress) override;
-  Result<std::unique_ptr<BoxSource>> OpenSource(std::size_t timeStep, int threads) override;
+  Result<std::unique_ptr<BoxSource>> OpenSource(
+    std::size_t timeStep, int threads, std::uint64_t memoryBytes) override;
   Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
 

@@ -65,8 +65,9 @@ public:
   /// Fills `samples` with tuples of the chosen components. The request must be within the volume.
   virtual Status Read(const SampleRequest& request, void* samples, const Progress& progress) = 0;
 
-  /// The samples of a time step, to write another volume of.
-  virtual Result<std::unique_ptr<BoxSource>> OpenSource(std::size_t timeStep, int threads) = 0;
+  /// The samples of a time step, to write another volume of, which may take so much memory.
+  virtual Result<std::unique_ptr<BoxSource>> OpenSource(
+    std::size_t timeStep, int threads, std::uint64_t memoryBytes) = 0;
 
   /// The time step in blocks, to be searched for isosurfaces. `stepThere` becomes its number there.
   virtual Result<std::shared_ptr<BlockedVolume>> GetBlocks(

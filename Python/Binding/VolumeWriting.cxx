@@ -57,7 +57,7 @@ void VolumeWriting::WriteFile(
   {
     settings.Time = times[step];
     settings.Publish = step + 1 == times.size();
-    const auto open = [&] { return file.OpenSource(step, settings.Threads); };
+    const auto open = [&] { return file.OpenSource(step, settings.Threads, settings.MemoryLimit); };
     this->WriteStep(writer, settings, file.GetArrays(), open, [] {});
     settings.Append = true;
   }

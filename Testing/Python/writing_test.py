@@ -146,6 +146,26 @@ class Writing(VolumeTest):
         numpy.testing.assert_array_equal(si.open(self.path("run.h5:/data"), 1, axes="tzyx")[...], samples[1])
 
     @unittest.skipUnless(h5py, "there is no h5py")
+    def test_arrays_of_several_types_and_chunks_come_back(self):
+        arrays = {
+            "mask": make_samples("uint8"),
+            "density": make_samples("float64"),
+            "flow": make_samples("int16", (*SHAPE, 3)),
+        }
+        with h5py.File(self.path("scan.vtkhdf"), "w") as file:
+            group = file.create_group("VTKHDF")
+            group.attrs["Type"] = numpy.bytes_("ImageData")
+            group.attrs["WholeExtent"] = (0, SHAPE[2] - 1, 0, SHAPE[1] - 1, 0, SHAPE[0] - 1)
+            for chunk, (name, samples) in zip(((7, 11, 13), (16, 16, 16), (37, 5, 70, 3)), arrays.items()):
+                group.create_dataset(
+                    f"PointData/{name}", data=samples, chunks=chunk, compression="gzip", shuffle=True
+                )
+        for settings in ({}, {"threads": 1}, {"threads": 5}, {"memory": 2**25}):
+            volume = si.create(self.path("scan.vtkhdf"), self.path("out.bvol"), **settings)
+            for name, samples in arrays.items():
+                numpy.testing.assert_array_equal(volume[name][...], samples)
+
+    @unittest.skipUnless(h5py, "there is no h5py")
     def test_an_error_of_a_later_time_step_leaves_the_older_volume(self):
         older = make_samples("int16")
         si.create(older, self.path("v.bvol"), name="data", time=-1)

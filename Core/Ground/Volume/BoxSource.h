@@ -61,6 +61,8 @@ public:
   /// Whether some rows of each slice cost little more alone than with the others: they are not
   /// decoded.
   virtual bool HasCheapRows() const { return false; }
+  /// Whether several of these, each of a thread, decode chunks at the same time.
+  virtual bool DecodesInParallel() const { return false; }
   /// Hints that the samples of a box will be read soon. Does not wait for them.
   virtual void Prefetch(const VertexBox&) const {}
 

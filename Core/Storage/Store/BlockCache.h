@@ -22,7 +22,7 @@ namespace isosurface
 /// Identifies a decoded block.
 struct BlockCacheKey
 {
-  std::uint64_t Dataset = 0; ///< a time step of a volume: hash of path, folder and contents
+  std::uint64_t Dataset = 0; ///< a time step of a volume, or of the source that has its samples
   std::int64_t Block = 0;
   std::uint32_t Variable = 0;
   std::uint32_t Level = 0;

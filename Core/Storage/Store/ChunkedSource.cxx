@@ -4,6 +4,7 @@
 #include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Storage/Store/BlockCache.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -14,70 +15,64 @@ namespace isosurface
 namespace
 {
 
+/// Each component begins where values of any type may.
 std::uint64_t CountBytes(const VertexBox& box, ValueType type)
 {
-  return static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(type);
-}
-
-std::uint64_t CountBytes(const VertexBox& box, const std::vector<ValueType>& types)
-{
-  std::uint64_t bytes = 0;
-  for (const ValueType type : types)
-  {
-    bytes += CountBytes(box, type);
-  }
-  return bytes;
-}
-
-/// Whether the chunks that slices have in common can be kept, with what the cache takes for each.
-bool FitsLayer(
-  const BoxSource& source, const std::vector<ValueType>& types, std::uint64_t cacheBytes)
-{
-  VertexBox layer = source.GetBox();
-  layer.High[2] = std::min(layer.High[2], layer.Low[2] + (*source.GetChunk())[2]);
-  return CountBytes(layer, types) <= cacheBytes / 5 * 4;
+  constexpr std::uint64_t alignment = 64;
+  const std::uint64_t bytes =
+    static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(type);
+  return (bytes + alignment - 1) / alignment * alignment;
 }
 
 } // namespace
 
 Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& files,
-  VolumeOpener opener, const std::string& path, const SourceRecord& record,
+  VolumeOpener opener, const std::string& path, const std::string& name, const SourceRecord& record,
   const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
   const ChunkDecoding& decoding)
 {
-  const std::vector<ValueType> types = ArrayVariables(arrays).GetStoredTypes();
-  if (source->HasCheapRows() || !source->GetChunk() ||
-    !FitsLayer(*source, types, decoding.CacheBytes))
+  constexpr int fewest = 2;
+  if (decoding.Threads < fewest || !source->GetChunk() || !source->DecodesInParallel())
   {
     return Status::Ok();
   }
-  auto samples = SourceSamples::Open(files, opener, path, record, grid, arrays,
-    std::make_shared<BlockCache>(decoding.CacheBytes), decoding.SharedCache);
+  const auto cache = std::make_shared<BlockCache>(0);
+  auto samples = SourceSamples::OpenNew(files, opener, path, name, record, grid, arrays, cache);
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  source.reset(new ChunkedSource(std::move(*samples), std::move(source), types, decoding));
+  // Boxes of a round lie in two layers. The cache takes a little more than the chunks in it.
+  const std::uint64_t layer = (*samples)->GetLayerBytes();
+  const std::uint64_t layers = layer / 4 * 9 + layer % 4;
+  const std::uint64_t thread = std::max<std::uint64_t>(1, (*samples)->GetThreadBytes());
+  const std::uint64_t left = decoding.MemoryBytes - std::min(decoding.MemoryBytes, layers);
+  const auto threads = static_cast<int>(
+    std::min<std::uint64_t>(static_cast<std::uint64_t>(decoding.Threads), left / thread));
+  if (threads < fewest)
+  {
+    return Status::Ok();
+  }
+  cache->SetBudget(layers);
+  if (decoding.IsShared)
+  {
+    (*samples)->ShareWith(BlockCache::GetProcessCache(), decoding.IsShared);
+  }
+  std::unique_ptr<ChunkedSource> chunked(new ChunkedSource);
+  chunked->Samples = std::move(*samples);
+  chunked->Source = std::move(source);
+  chunked->Types = ArrayVariables(arrays).GetStoredTypes();
+  chunked->HeldBytes = layers + static_cast<std::uint64_t>(threads) * thread;
+  chunked->Threads = threads;
+  source = std::move(chunked);
   return Status::Ok();
-}
-
-ChunkedSource::ChunkedSource(std::shared_ptr<SourceSamples> samples,
-  std::unique_ptr<BoxSource> source, std::vector<ValueType> types, const ChunkDecoding& decoding)
-  : Samples(std::move(samples))
-  , Source(std::move(source))
-  , Types(std::move(types))
-  , Decoding(decoding)
-{
 }
 
 std::uint64_t ChunkedSource::GetReadBytes(const VertexBox& box) const
 {
-  return CountBytes(box, this->Types);
-}
-
-std::uint64_t ChunkedSource::GetHeldBytes() const
-{
-  // Each thread has a chunk as it is stored, decoded, and in the order of the cache.
-  const VertexBox chunk = { { 0, 0, 0 }, *this->Source->GetChunk() };
-  return this->Decoding.CacheBytes +
-    3 * static_cast<std::uint64_t>(this->Decoding.Threads) * CountBytes(chunk, this->Types);
+  std::uint64_t bytes = 0;
+  for (const ValueType type : this->Types)
+  {
+    bytes += CountBytes(box, type);
+  }
+  return bytes;
 }
 
 Result<BoxSamples> ChunkedSource::Read(const VertexBox& box)
@@ -88,29 +83,28 @@ Result<BoxSamples> ChunkedSource::Read(const VertexBox& box)
     return Status(buffer.GetStatus().GetCode(),
       this->Samples->GetName() + ": cannot read: " + buffer.GetStatus().GetMessage());
   }
-  // Threads that need the same chunks decode different ones of them.
   const std::int64_t slices = box.High[2] - box.Low[2];
-  const std::int64_t parts = std::min<std::int64_t>(slices, this->Decoding.Threads);
-  FirstFailure failure;
+  const std::int64_t parts = std::min<std::int64_t>(slices, this->Threads);
   BoxSamples samples;
   std::uint8_t* to = (*buffer)->GetData();
   for (std::size_t component = 0; component < this->Types.size(); ++component)
   {
     const ValueType type = this->Types[component];
-    ParallelFor(static_cast<std::size_t>(parts), this->Decoding.Threads,
+    ISOSURFACE_RETURN_IF_ERROR(this->Samples->Decode(component, box, this->Threads));
+    const auto slice =
+      static_cast<std::size_t>(box.GetNumberOfVertices() / slices) * GetValueSize(type);
+    FirstFailure failure;
+    ParallelFor(static_cast<std::size_t>(parts), this->Threads,
       [&](std::size_t index, int)
       {
         const auto part = static_cast<std::int64_t>(index);
         VertexBox slab = box;
         slab.Low[2] = box.Low[2] + slices * part / parts;
         slab.High[2] = box.Low[2] + slices * (part + 1) / parts;
-        VertexBox before = box;
-        before.High[2] = slab.Low[2];
+        const auto before = static_cast<std::size_t>(slab.Low[2] - box.Low[2]);
         QueryStatistics statistics;
         failure.Run(
-          [&] {
-            return this->Samples->Read(component, slab, to + CountBytes(before, type), statistics);
-          });
+          [&] { return this->Samples->Read(component, slab, to + before * slice, statistics); });
       });
     ISOSURFACE_RETURN_IF_ERROR(failure.Get());
     samples.Arrays.push_back(MakeSampleView(type, box, to));

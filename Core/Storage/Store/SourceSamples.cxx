@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Store/SourceSamples.h"
 
+#include "Ground/Base/FirstFailure.h"
+#include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Record/BlockSegment.h"
 
@@ -43,13 +45,21 @@ void CopyPart(const std::uint8_t* from, const VertexBox& fromBox, const VertexBo
 
 Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, VolumeOpener opener,
   const std::string& path, const SourceRecord& record, const GridGeometry& grid,
-  const std::vector<ArrayDescription>& arrays, std::shared_ptr<BlockCache> cache,
-  std::shared_ptr<BlockCache> sharedCache)
+  const std::vector<ArrayDescription>& arrays, std::shared_ptr<BlockCache> cache)
 {
   ISOSURFACE_RETURN_IF_ERROR(CheckSource(files, opener, path, record, grid, arrays));
+  const std::string name = VolumeName{ record.FindPath(files, path), record.Within }.GetText();
+  return OpenNew(files, opener, path, name, record, grid, arrays, std::move(cache));
+}
+
+Result<std::shared_ptr<SourceSamples>> SourceSamples::OpenNew(FileSystem& files,
+  VolumeOpener opener, const std::string& path, const std::string& name, const SourceRecord& record,
+  const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+  std::shared_ptr<BlockCache> cache)
+{
   std::shared_ptr<SourceSamples> samples(
-    new SourceSamples(files, opener, path, record, std::move(cache), std::move(sharedCache)));
-  samples->Name = VolumeName{ record.FindPath(files, path), record.Within }.GetText();
+    new SourceSamples(files, opener, path, record, std::move(cache)));
+  samples->Name = name;
   samples->Box = { { 0, 0, 0 }, grid.GetDimensions() };
   for (const ArrayDescription& described : arrays)
   {
@@ -65,6 +75,7 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::Open(FileSystem& files, Vo
     {
       array.Chunks[axis] = (samples->Box.High[axis] - 1) / array.Chunk[axis] + 1;
     }
+    array.HeldBytes = (*source)->GetHeldBytes();
     array.Parent = (*source)->Fork();
     array.Idle.push_back(std::move(*source));
     samples->ArrayOf.resize(samples->ArrayOf.size() + array.Components, samples->Arrays.size());
@@ -138,7 +149,7 @@ VertexBox SourceSamples::FindChunkBox(const Array& array, const Index3& chunk) c
   return box;
 }
 
-Result<SourceSamples::Chunk> SourceSamples::Decode(Array& array, const VertexBox& box)
+Result<SourceSamples::Chunk> SourceSamples::DecodeChunk(Array& array, const VertexBox& box)
 {
   auto source = this->Take(array);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
@@ -178,15 +189,19 @@ Result<SourceSamples::Chunk> SourceSamples::GetChunk(
   Array& array, const Index3& chunk, QueryStatistics& statistics)
 {
   const BlockCacheKey key = this->MakeKey(array, chunk);
-  const auto decode = [&] { return this->Decode(array, this->FindChunkBox(array, chunk)); };
-  const auto share = [&]
+  const auto decode = [&]
   {
-    bool isShared = false;
-    return this->SharedCache->Get(key, decode, isShared);
+    auto made = this->DecodeChunk(array, this->FindChunkBox(array, chunk));
+    if (made.IsOk() && this->IsShared && this->IsShared())
+    {
+      bool isThere = false;
+      static_cast<void>(this->SharedCache->Get(
+        key, [&] { return made; }, isThere));
+    }
+    return made;
   };
   bool hit = false;
-  auto decoded =
-    this->SharedCache ? this->Cache->Get(key, share, hit) : this->Cache->Get(key, decode, hit);
+  auto decoded = this->Cache->Get(key, decode, hit);
   if (decoded.IsOk())
   {
     statistics.BlockCacheHits += hit ? 1 : 0;
@@ -215,10 +230,8 @@ Status SourceSamples::CopyChunk(Array& array, const Index3& chunk, std::size_t c
   return Status::Ok();
 }
 
-Status SourceSamples::Read(
-  std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics)
+std::vector<Index3> SourceSamples::FindChunks(const Array& array, const VertexBox& box) const
 {
-  Array& array = this->Arrays[this->ArrayOf[component]];
   Index3 first;
   Index3 last;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -237,6 +250,58 @@ Status SourceSamples::Read(
       }
     }
   }
+  return chunks;
+}
+
+void SourceSamples::ShareWith(std::shared_ptr<BlockCache> cache, std::function<bool()> isShared)
+{
+  this->SharedCache = std::move(cache);
+  this->IsShared = std::move(isShared);
+}
+
+std::uint64_t SourceSamples::GetLayerBytes() const
+{
+  std::uint64_t bytes = 0;
+  for (const Array& array : this->Arrays)
+  {
+    const Index3 size = this->Box.GetSize();
+    bytes += static_cast<std::uint64_t>(size[0] * size[1] * std::min(size[2], array.Chunk[2])) *
+      array.Components * GetValueSize(array.Type);
+  }
+  return bytes;
+}
+
+std::uint64_t SourceSamples::GetThreadBytes() const
+{
+  std::uint64_t bytes = 0;
+  for (const Array& array : this->Arrays)
+  {
+    // As it is read, and in the order of the cache.
+    const auto chunk = static_cast<std::uint64_t>(array.Chunk[0] * array.Chunk[1] * array.Chunk[2]);
+    bytes += array.HeldBytes + 2 * chunk * array.Components * GetValueSize(array.Type);
+  }
+  return bytes;
+}
+
+Status SourceSamples::Decode(std::size_t component, const VertexBox& box, int threads)
+{
+  Array& array = this->Arrays[this->ArrayOf[component]];
+  const std::vector<Index3> chunks = this->FindChunks(array, box);
+  FirstFailure failure;
+  ParallelFor(chunks.size(), threads,
+    [&](std::size_t index, int)
+    {
+      QueryStatistics statistics;
+      failure.Run([&] { return this->GetChunk(array, chunks[index], statistics).GetStatus(); });
+    });
+  return failure.Get();
+}
+
+Status SourceSamples::Read(
+  std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics)
+{
+  Array& array = this->Arrays[this->ArrayOf[component]];
+  std::vector<Index3> chunks = this->FindChunks(array, box);
   // First those that nobody has, nor decodes at the moment: threads that need the same chunks share
   // the work, instead of waiting for each other at each.
   const auto rest = std::stable_partition(chunks.begin(), chunks.end(),

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -41,12 +42,17 @@ class SourceSamples
 {
 public:
   /// Opens the source of a time step of the volume `path`, and checks that it is as it was when it was
-  /// indexed (CheckSource). A chunk that is not in `cache` is taken from `sharedCache`, and what is
-  /// decoded stays there, too; it may be null. `files` must outlive this.
+  /// indexed (CheckSource). `files` must outlive this.
   static Result<std::shared_ptr<SourceSamples>> Open(FileSystem& files, VolumeOpener opener,
     const std::string& path, const SourceRecord& record, const GridGeometry& grid,
-    const std::vector<ArrayDescription>& arrays, std::shared_ptr<BlockCache> cache,
-    std::shared_ptr<BlockCache> sharedCache = nullptr);
+    const std::vector<ArrayDescription>& arrays, std::shared_ptr<BlockCache> cache);
+  /// The same of a volume that is to be written, of a source by its name (VolumeName), without that check.
+  static Result<std::shared_ptr<SourceSamples>> OpenNew(FileSystem& files, VolumeOpener opener,
+    const std::string& path, const std::string& name, const SourceRecord& record,
+    const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
+    std::shared_ptr<BlockCache> cache);
+  /// From now on, gives the chunks that it decodes to another cache as well, as long as isShared().
+  void ShareWith(std::shared_ptr<BlockCache> cache, std::function<bool()> isShared);
   SourceSamples(const SourceSamples&) = delete;
   SourceSamples& operator=(const SourceSamples&) = delete;
   ~SourceSamples() { this->Cache->Release(this->Dataset); }
@@ -56,6 +62,15 @@ public:
   /// were decoded count as read.
   Status Read(
     std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics);
+
+  /// Decodes the chunks of a component that a box needs and that are not in the cache, each by one of so
+  /// many threads.
+  Status Decode(std::size_t component, const VertexBox& box, int threads);
+
+  /// The bytes of the chunks of all arrays that slices have in common, decoded.
+  std::uint64_t GetLayerBytes() const;
+  /// The bytes that a thread takes while it decodes a chunk.
+  std::uint64_t GetThreadBytes() const;
 
   ValueType GetType(std::size_t component) const
   {
@@ -78,6 +93,7 @@ private:
     std::size_t Components = 1;
     Index3 Chunk = { 1, 1, 1 };
     Index3 Chunks = { 1, 1, 1 }; ///< on each axis
+    std::uint64_t HeldBytes = 0; ///< of one that is open
     /// Others are forked from it, so it is never read; null if the source cannot be forked.
     std::unique_ptr<BoxSource> Parent;
     /// Open ones that no thread reads at the moment.
@@ -86,15 +102,13 @@ private:
   using Chunk = std::shared_ptr<const DecodedBlock>;
 
   SourceSamples(FileSystem& files, VolumeOpener opener, std::string volume,
-    const SourceRecord& record, std::shared_ptr<BlockCache> cache,
-    std::shared_ptr<BlockCache> sharedCache)
+    const SourceRecord& record, std::shared_ptr<BlockCache> cache)
     : Files(files)
     , Opener(opener)
     , Volume(std::move(volume))
     , Record(record)
     , Dataset(record.ComputeDataset())
     , Cache(std::move(cache))
-    , SharedCache(std::move(sharedCache))
   {
     this->Cache->Retain(this->Dataset);
   }
@@ -106,7 +120,8 @@ private:
   void GiveBack(Array& array, std::unique_ptr<BoxSource> source);
   VertexBox FindChunkBox(const Array& array, const Index3& chunk) const;
   /// All components of an array in a chunk, one after another, each x fastest.
-  Result<Chunk> Decode(Array& array, const VertexBox& box);
+  Result<Chunk> DecodeChunk(Array& array, const VertexBox& box);
+  std::vector<Index3> FindChunks(const Array& array, const VertexBox& box) const;
   Result<Chunk> GetChunk(Array& array, const Index3& chunk, QueryStatistics& statistics);
   BlockCacheKey MakeKey(const Array& array, const Index3& chunk) const;
   /// Copies what a chunk has of a component in a box.
@@ -122,6 +137,7 @@ private:
   std::uint64_t Dataset;
   std::shared_ptr<BlockCache> Cache;
   std::shared_ptr<BlockCache> SharedCache; ///< or null
+  std::function<bool()> IsShared;          ///< null without one
   VertexBox Box;                           ///< of the grid
   std::vector<Array> Arrays;
   std::vector<std::size_t> ArrayOf; ///< per component

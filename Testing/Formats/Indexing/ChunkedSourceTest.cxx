@@ -6,6 +6,7 @@
 #include "Fixtures/ZarrOnDisk.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Storage/Store/BlockCache.h"
 
 using namespace isosurface;
 
@@ -30,7 +31,7 @@ protected:
       this->Disk, OpenForeignVolume, ChunkedVolume, path, {}, opened.Grid, opened.Arrays));
     this->Plain = opened.Source.get();
     const Status replaced = ChunkedSource::Replace(opened.Source, this->Disk, OpenForeignVolume,
-      ChunkedVolume, record, opened.Grid, opened.Arrays, decoding);
+      ChunkedVolume, path, record, opened.Grid, opened.Arrays, decoding);
     EXPECT_TRUE(replaced.IsOk()) << replaced.GetMessage();
     return std::move(opened.Source);
   }
@@ -56,9 +57,9 @@ protected:
 
 TEST_F(ChunkedSourceTest, BoxesHaveTheSamplesOfTheFileWithAnyNumberOfThreads)
 {
-  for (const int threads : { 1, 2, 7 })
+  for (const int threads : { 2, 3, 7 })
   {
-    const auto source = this->Open(ChunkedPath, { EnoughForAll, threads, nullptr });
+    const auto source = this->Open(ChunkedPath, { EnoughForAll, threads, {} });
     EXPECT_NE(source.get(), this->Plain);
     for (const VertexBox& box :
       { VertexBox{ { 0, 0, 0 }, ChunkedSize }, VertexBox{ { 15, 10, 19 }, { 17, 12, 21 } },
@@ -69,48 +70,56 @@ TEST_F(ChunkedSourceTest, BoxesHaveTheSamplesOfTheFileWithAnyNumberOfThreads)
   }
 }
 
-TEST_F(ChunkedSourceTest, ChunksStayForOthersAndAreDecodedOnce)
+TEST_F(ChunkedSourceTest, EachChunkIsDecodedOnceAndStaysForOthersAsLongAsItIsShared)
 {
-  const auto shared = std::make_shared<BlockCache>(EnoughForAll);
-  const auto source = this->Open(ChunkedPath, { EnoughForAll, 2, shared });
+  bool isShared = false;
+  const auto source = this->Open(ChunkedPath, { EnoughForAll, 2, [&] { return isShared; } });
+  const auto countBytes = [&] // of chunks
+  { return this->Disk.GetBytesRead("") - this->Disk.GetBytesRead(".zarray"); };
+  const std::uint64_t before = countBytes();
   for (std::int64_t slice = 0; slice < ChunkedSize[2]; slice += 17)
   {
+    isShared = slice > 0; // the first boxes are of the first layer of chunks
     this->ExpectSamples(*source, { { 0, 0, slice }, { 70, 45, slice + 17 } });
+    this->ExpectSamples(*source, { { 0, 0, slice }, { 70, 45, slice + 1 } });
   }
-  // Nobody can decode them any more.
+  constexpr std::uint64_t chunks = 5 * 5 * 3;
+  EXPECT_EQ(countBytes() - before, chunks * 16 * 11 * 20 * 2);
+
   const OpenedVolume opened = Require(OpenForeignVolume(this->Disk, ChunkedPath));
   const SourceRecord record = Require(DescribeSource(
     this->Disk, OpenForeignVolume, ChunkedVolume, ChunkedPath, {}, opened.Grid, opened.Arrays));
-  const auto others = Require(SourceSamples::Open(
-    this->Disk, OpenForeignVolume, ChunkedVolume, record, opened.Grid, opened.Arrays, shared));
-  for (const auto& [path, bytes] : this->Disk.GetFiles())
-  {
-    if (path.back() != 'y') // .zarray
-    {
-      bytes->clear();
-    }
-  }
+  const auto others = Require(SourceSamples::Open(this->Disk, OpenForeignVolume, ChunkedVolume,
+    record, opened.Grid, opened.Arrays, BlockCache::GetProcessCache()));
   std::vector<std::int16_t> samples(this->Samples.Samples.size());
   QueryStatistics statistics;
   const Status read = others->Read(
     0, { { 0, 0, 0 }, ChunkedSize }, reinterpret_cast<std::uint8_t*>(samples.data()), statistics);
   EXPECT_TRUE(read.IsOk()) << read.GetMessage();
-  EXPECT_EQ(statistics.BlocksRead, 0u);
+  EXPECT_EQ(statistics.BlocksRead, 5u * 5) << "those of the first layer";
   EXPECT_EQ(samples, this->Samples.Samples);
 }
 
-TEST_F(ChunkedSourceTest, FilesWithNothingToDecodeOrTooLargeLayersAreReadAsTheyWereOpened)
+TEST_F(ChunkedSourceTest, WithoutMemoryOrThreadsOrChunksFilesAreReadAsTheyWereOpened)
 {
-  EXPECT_EQ(this->Open(ChunkedPath, { 70 * 45 * 20 * 2, 2, nullptr }).get(), this->Plain)
-    << "the cache needs more than the samples";
+  const auto isReplaced = [&](const std::string& path, std::uint64_t memory, int threads) {
+    return this->Open(path, { memory, threads, {} }).get() != this->Plain;
+  };
+  EXPECT_FALSE(isReplaced(ChunkedPath, EnoughForAll, 1));
+  constexpr std::uint64_t layer = 70 * 45 * 20 * 2;
+  EXPECT_FALSE(isReplaced(ChunkedPath, 2 * layer, 2));
   this->Disk.SetFile("/data/scan_70x45x51_int16.raw", MakeBytes(this->Samples));
-  EXPECT_EQ(
-    this->Open("/data/scan_70x45x51_int16.raw", { EnoughForAll, 2, nullptr }).get(), this->Plain);
+  EXPECT_FALSE(isReplaced("/data/scan_70x45x51_int16.raw", EnoughForAll, 2));
+
+  const auto source = this->Open(ChunkedPath, { 5 * layer, 1000, {} });
+  EXPECT_NE(source.get(), this->Plain);
+  EXPECT_LE(source->GetHeldBytes(), 5 * layer) << "few threads decode";
+  this->ExpectSamples(*source, { { 0, 0, 0 }, ChunkedSize });
 }
 
 TEST_F(ChunkedSourceTest, ADamagedChunkIsOneErrorThatNamesIt)
 {
-  const auto source = this->Open(ChunkedPath, { EnoughForAll, 3, nullptr });
+  const auto source = this->Open(ChunkedPath, { EnoughForAll, 3, {} });
   this->Disk.GetFile(ChunkedPath + "/1.2.3").resize(100);
   this->ExpectSamples(*source, { { 0, 0, 0 }, { 70, 45, 20 } });
   const auto read = source->Read({ { 0, 0, 0 }, ChunkedSize });

@@ -336,16 +336,26 @@ TEST_P(GrowingIndexTest, OfAStreamHasExactLayersBeforeItsEnd)
         {
           for (std::int64_t slices = 0; slices < 199;)
           {
+            const bool hasEnded = finished.HasEnded();
             if (finished.CountSlices() > slices)
             {
               slices = std::min(slices + 32, std::int64_t{ 199 });
               check(finished, slices);
+            }
+            else if (hasEnded)
+            {
+              break;
+            }
+            else
+            {
+              std::this_thread::sleep_for(std::chrono::milliseconds(1));
             }
           }
         });
       const auto written = WriteSourceIndex(
         ranks, this->Disk, index, std::uint64_t{ 24 } << 20, {}, nullptr, &finished);
       EXPECT_TRUE(written.IsOk()) << written.GetStatus().GetMessage();
+      finished.End();
       reader.join();
     });
   const BlockGrid grid({ 256, 256, 200 }, 32);
