@@ -31,7 +31,7 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   const GridGeometry& grid, const std::vector<ArrayDescription>& arrays,
   const ChunkDecoding& decoding)
 {
-  constexpr int fewest = 2;
+  constexpr int fewest = 2; // threads
   if (decoding.Threads < fewest || !source->GetChunk() || !source->DecodesInParallel())
   {
     return Status::Ok();
@@ -39,18 +39,31 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   const auto cache = std::make_shared<BlockCache>(0);
   auto samples = SourceSamples::OpenNew(files, opener, path, name, record, grid, arrays, cache);
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  // Boxes of a round lie in two layers. The cache takes a little more than the chunks in it.
-  const std::uint64_t layer = (*samples)->GetLayerBytes();
-  const std::uint64_t layers = layer / 4 * 9 + layer % 4;
-  const std::uint64_t thread = std::max<std::uint64_t>(1, (*samples)->GetThreadBytes());
-  const std::uint64_t left = decoding.MemoryBytes - std::min(decoding.MemoryBytes, layers);
-  const auto threads = static_cast<int>(
-    std::min<std::uint64_t>(static_cast<std::uint64_t>(decoding.Threads), left / thread));
+  const std::uint64_t ofThread = std::max<std::uint64_t>(1, (*samples)->GetThreadBytes());
+  // What the cache takes: a little more than the chunks.
+  const auto countKept = [&](std::int64_t slices)
+  { return (*samples)->GetSlabBytes(slices) / 8 * 9; };
+  const auto countThreads = [&](std::int64_t slices)
+  {
+    const std::uint64_t left =
+      decoding.MemoryBytes - std::min(decoding.MemoryBytes, countKept(slices));
+    return static_cast<int>(
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(decoding.Threads), left / ofThread));
+  };
+  // Several slices have chunks for all threads, also where each is one chunk.
+  constexpr std::int64_t enough = 16;
+  std::int64_t slices = std::max(enough, (*samples)->GetChunkSlices());
+  if (countThreads(slices) < fewest)
+  {
+    slices = (*samples)->GetChunkSlices();
+  }
+  const int threads = countThreads(slices);
   if (threads < fewest)
   {
     return Status::Ok();
   }
-  cache->SetBudget(layers);
+  const std::uint64_t kept = countKept(slices);
+  cache->SetBudget(kept);
   if (decoding.IsShared)
   {
     (*samples)->ShareWith(BlockCache::GetProcessCache(), decoding.IsShared);
@@ -59,8 +72,9 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   chunked->Samples = std::move(*samples);
   chunked->Source = std::move(source);
   chunked->Types = ArrayVariables(arrays).GetStoredTypes();
-  chunked->HeldBytes = layers + static_cast<std::uint64_t>(threads) * thread;
+  chunked->HeldBytes = kept + static_cast<std::uint64_t>(threads) * ofThread;
   chunked->Threads = threads;
+  chunked->Slices = slices;
   source = std::move(chunked);
   return Status::Ok();
 }
@@ -83,35 +97,48 @@ Result<BoxSamples> ChunkedSource::Read(const VertexBox& box)
     return Status(buffer.GetStatus().GetCode(),
       this->Samples->GetName() + ": cannot read: " + buffer.GetStatus().GetMessage());
   }
-  const std::int64_t slices = box.High[2] - box.Low[2];
-  const std::int64_t parts = std::min<std::int64_t>(slices, this->Threads);
-  BoxSamples samples;
   std::uint8_t* to = (*buffer)->GetData();
-  for (std::size_t component = 0; component < this->Types.size(); ++component)
+  VertexBox slab = box;
+  for (; slab.Low[2] < box.High[2]; slab.Low[2] = slab.High[2])
   {
-    const ValueType type = this->Types[component];
-    ISOSURFACE_RETURN_IF_ERROR(this->Samples->Decode(component, box, this->Threads));
-    const auto slice =
-      static_cast<std::size_t>(box.GetNumberOfVertices() / slices) * GetValueSize(type);
-    FirstFailure failure;
-    ParallelFor(static_cast<std::size_t>(parts), this->Threads,
-      [&](std::size_t index, int)
-      {
-        const auto part = static_cast<std::int64_t>(index);
-        VertexBox slab = box;
-        slab.Low[2] = box.Low[2] + slices * part / parts;
-        slab.High[2] = box.Low[2] + slices * (part + 1) / parts;
-        const auto before = static_cast<std::size_t>(slab.Low[2] - box.Low[2]);
-        QueryStatistics statistics;
-        failure.Run(
-          [&] { return this->Samples->Read(component, slab, to + before * slice, statistics); });
-      });
-    ISOSURFACE_RETURN_IF_ERROR(failure.Get());
+    slab.High[2] = std::min(box.High[2], (slab.Low[2] / this->Slices + 1) * this->Slices);
+    ISOSURFACE_RETURN_IF_ERROR(this->ReadSlab(slab, box, to));
+  }
+  BoxSamples samples;
+  for (const ValueType type : this->Types)
+  {
     samples.Arrays.push_back(MakeSampleView(type, box, to));
     to += CountBytes(box, type);
   }
   samples.Owner = std::move(*buffer);
   return samples;
+}
+
+Status ChunkedSource::ReadSlab(const VertexBox& slab, const VertexBox& box, std::uint8_t* to)
+{
+  const std::int64_t slices = slab.High[2] - slab.Low[2];
+  const std::int64_t parts = std::min<std::int64_t>(slices, this->Threads);
+  const auto ofSlice = static_cast<std::size_t>(slab.GetNumberOfVertices() / slices);
+  FirstFailure failure;
+  for (std::size_t component = 0; component < this->Types.size(); ++component)
+  {
+    failure.Run([&] { return this->Samples->Decode(component, slab, this->Threads); });
+    const ValueType type = this->Types[component];
+    ParallelFor(static_cast<std::size_t>(parts), this->Threads,
+      [&](std::size_t index, int)
+      {
+        const auto number = static_cast<std::int64_t>(index);
+        VertexBox part = slab;
+        part.Low[2] = slab.Low[2] + slices * number / parts;
+        part.High[2] = slab.Low[2] + slices * (number + 1) / parts;
+        const auto before = static_cast<std::size_t>(part.Low[2] - box.Low[2]);
+        std::uint8_t* place = to + before * ofSlice * GetValueSize(type);
+        QueryStatistics statistics;
+        failure.Run([&] { return this->Samples->Read(component, part, place, statistics); });
+      });
+    to += CountBytes(box, type);
+  }
+  return failure.Get();
 }
 
 } // namespace isosurface

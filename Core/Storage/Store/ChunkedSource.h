@@ -38,7 +38,7 @@ class ChunkedSource : public BoxSource
 public:
   /**
    * Puts such a source in place of `source`, a file as it was opened by its name (VolumeName), if its
-   * chunks can be decoded by several threads, and the memory is enough for a layer of them and for two
+   * chunks can be decoded by several threads, and the memory is enough for two layers of them and for two
    * threads. `record` tells what of it is read; it is that of the volume `path` if chunks are shared.
    * Errors: those of opening the file again.
    */
@@ -56,12 +56,16 @@ public:
 
 private:
   ChunkedSource() = default;
+  /// Decodes a slab of the box, which needs few enough chunks, and copies it to its place in an image of
+  /// the box for each component.
+  Status ReadSlab(const VertexBox& slab, const VertexBox& box, std::uint8_t* to);
 
   std::shared_ptr<SourceSamples> Samples;
   std::unique_ptr<BoxSource> Source; ///< tells in which order to read, and is not read
   std::vector<ValueType> Types;      ///< of the components of all arrays
   std::uint64_t HeldBytes = 0;
   int Threads = 1;
+  std::int64_t Slices = 1; ///< whose chunks are decoded and kept at once
   std::shared_ptr<PageBufferPool> Pool = std::make_shared<PageBufferPool>();
 };
 

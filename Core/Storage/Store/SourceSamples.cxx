@@ -259,14 +259,28 @@ void SourceSamples::ShareWith(std::shared_ptr<BlockCache> cache, std::function<b
   this->IsShared = std::move(isShared);
 }
 
-std::uint64_t SourceSamples::GetLayerBytes() const
+std::int64_t SourceSamples::GetChunkSlices() const
 {
+  std::int64_t slices = 1;
+  for (const Array& array : this->Arrays)
+  {
+    slices = std::max(slices, array.Chunk[2]);
+  }
+  return slices;
+}
+
+std::uint64_t SourceSamples::GetSlabBytes(std::int64_t slices) const
+{
+  const Index3 size = this->Box.GetSize();
   std::uint64_t bytes = 0;
   for (const Array& array : this->Arrays)
   {
-    const Index3 size = this->Box.GetSize();
-    bytes += static_cast<std::uint64_t>(size[0] * size[1] * std::min(size[2], array.Chunk[2])) *
-      array.Components * GetValueSize(array.Type);
+    // They begin and end amid chunks.
+    const std::int64_t layers =
+      std::min(array.Chunks[2], (slices + array.Chunk[2] - 2) / array.Chunk[2] + 1);
+    const std::int64_t deep = std::min(size[2], layers * array.Chunk[2]);
+    bytes += static_cast<std::uint64_t>(size[0] * size[1] * deep) * array.Components *
+      GetValueSize(array.Type);
   }
   return bytes;
 }

@@ -67,8 +67,10 @@ public:
   /// many threads.
   Status Decode(std::size_t component, const VertexBox& box, int threads);
 
-  /// The bytes of the chunks of all arrays that slices have in common, decoded.
-  std::uint64_t GetLayerBytes() const;
+  /// The slices of the deepest chunks.
+  std::int64_t GetChunkSlices() const;
+  /// The bytes of all chunks that so many adjacent slices need, decoded.
+  std::uint64_t GetSlabBytes(std::int64_t slices) const;
   /// The bytes that a thread takes while it decodes a chunk.
   std::uint64_t GetThreadBytes() const;
 
