@@ -40,13 +40,10 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   auto samples = SourceSamples::OpenNew(files, opener, path, name, record, grid, arrays, cache);
   ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
   const std::uint64_t ofThread = std::max<std::uint64_t>(1, (*samples)->GetThreadBytes());
-  // What the cache takes: a little more than the chunks.
-  const auto countKept = [&](std::int64_t slices)
-  { return (*samples)->GetSlabBytes(slices) / 8 * 9; };
   const auto countThreads = [&](std::int64_t slices)
   {
-    const std::uint64_t left =
-      decoding.MemoryBytes - std::min(decoding.MemoryBytes, countKept(slices));
+    const std::uint64_t kept = (*samples)->GetSlabBytes(slices);
+    const std::uint64_t left = decoding.MemoryBytes - std::min(decoding.MemoryBytes, kept);
     return static_cast<int>(
       std::min<std::uint64_t>(static_cast<std::uint64_t>(decoding.Threads), left / ofThread));
   };
@@ -62,7 +59,7 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   {
     return Status::Ok();
   }
-  const std::uint64_t kept = countKept(slices);
+  const std::uint64_t kept = (*samples)->GetSlabBytes(slices);
   cache->SetBudget(kept);
   if (decoding.IsShared)
   {

@@ -271,6 +271,7 @@ std::int64_t SourceSamples::GetChunkSlices() const
 
 std::uint64_t SourceSamples::GetSlabBytes(std::int64_t slices) const
 {
+  constexpr std::int64_t ofEntry = 512; // beside the samples
   const Index3 size = this->Box.GetSize();
   std::uint64_t bytes = 0;
   for (const Array& array : this->Arrays)
@@ -280,7 +281,8 @@ std::uint64_t SourceSamples::GetSlabBytes(std::int64_t slices) const
       std::min(array.Chunks[2], (slices + array.Chunk[2] - 2) / array.Chunk[2] + 1);
     const std::int64_t deep = std::min(size[2], layers * array.Chunk[2]);
     bytes += static_cast<std::uint64_t>(size[0] * size[1] * deep) * array.Components *
-      GetValueSize(array.Type);
+        GetValueSize(array.Type) +
+      static_cast<std::uint64_t>(array.Chunks[0] * array.Chunks[1] * layers * ofEntry);
   }
   return bytes;
 }

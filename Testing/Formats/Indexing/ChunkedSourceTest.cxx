@@ -100,6 +100,19 @@ TEST_F(ChunkedSourceTest, EachChunkIsDecodedOnceAndStaysForOthersAsLongAsItIsSha
   EXPECT_EQ(samples, this->Samples.Samples);
 }
 
+TEST_F(ChunkedSourceTest, SmallChunksAreDecodedOnceToo)
+{
+  WriteZarr(this->Disk, "/data/small.zarr", this->Samples, { 4, 4, 4 });
+  const auto source = this->Open("/data/small.zarr", { EnoughForAll, 2, {} });
+  EXPECT_NE(source.get(), this->Plain);
+  const auto countBytes = [&]
+  { return this->Disk.GetBytesRead("") - this->Disk.GetBytesRead(".zarray"); };
+  const std::uint64_t before = countBytes();
+  this->ExpectSamples(*source, { { 0, 0, 0 }, { 70, 45, 16 } });
+  this->ExpectSamples(*source, { { 0, 0, 15 }, { 70, 45, 16 } });
+  EXPECT_EQ(countBytes() - before, 18u * 12 * 4 * 64 * 2);
+}
+
 TEST_F(ChunkedSourceTest, WithoutMemoryOrThreadsOrChunksFilesAreReadAsTheyWereOpened)
 {
   const auto isReplaced = [&](const std::string& path, std::uint64_t memory, int threads) {
