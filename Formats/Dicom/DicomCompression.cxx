@@ -86,7 +86,7 @@ std::size_t FindCodestream(const std::uint8_t* bytes, std::size_t size)
   return size;
 }
 
-std::optional<CompressedSize> FindJpegSize(const std::uint8_t* bytes, std::size_t size)
+std::optional<CompressedForm> FindJpegForm(const std::uint8_t* bytes, std::size_t size)
 {
   for (std::size_t at = 2; at + 10 <= size && bytes[at] == 0xff;)
   {
@@ -96,8 +96,9 @@ std::optional<CompressedSize> FindJpegSize(const std::uint8_t* bytes, std::size_
       marker == 0xf7;
     if (isFrame)
     {
-      return CompressedSize{ LoadBigEndian(bytes + at + 7, 2), LoadBigEndian(bytes + at + 5, 2),
-        bytes[at + 9] };
+      return CompressedForm{ { LoadBigEndian(bytes + at + 7, 2), LoadBigEndian(bytes + at + 5, 2),
+                               bytes[at + 9] },
+        bytes[at + 4], false, marker != 0xf7 };
     }
     // Fill bytes stand alone. Other markers without a length have no place before the frame, but
     // decoders skip them.
@@ -112,20 +113,22 @@ std::optional<CompressedSize> FindJpegSize(const std::uint8_t* bytes, std::size_
 
 } // namespace
 
-std::optional<CompressedSize> FindCompressedSize(const std::uint8_t* bytes, std::size_t size)
+std::optional<CompressedForm> FindCompressedForm(const std::uint8_t* bytes, std::size_t size)
 {
   if (size >= 2 && LoadBigEndian(bytes, 2) == 0xffd8)
   {
-    return FindJpegSize(bytes, size);
+    return FindJpegForm(bytes, size);
   }
   const std::size_t begin = FindCodestream(bytes, size);
   const std::uint8_t* const code = bytes + begin;
-  if (size - begin < 42 || LoadBigEndian(code, 4) != 0xff4fff51)
+  if (size - begin < 43 || LoadBigEndian(code, 4) != 0xff4fff51)
   {
     return std::nullopt;
   }
-  return CompressedSize{ LoadBigEndian(code + 8, 4) - LoadBigEndian(code + 16, 4),
-    LoadBigEndian(code + 12, 4) - LoadBigEndian(code + 20, 4), LoadBigEndian(code + 40, 2) };
+  return CompressedForm{ { LoadBigEndian(code + 8, 4) - LoadBigEndian(code + 16, 4),
+                           LoadBigEndian(code + 12, 4) - LoadBigEndian(code + 20, 4),
+                           LoadBigEndian(code + 40, 2) },
+    1 + (code[42] & 0x7f), (code[42] & 0x80) != 0 };
 }
 
 bool DecodeRunLengths(const std::vector<std::uint8_t>& code, std::size_t count,

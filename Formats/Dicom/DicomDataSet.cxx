@@ -19,6 +19,8 @@ constexpr std::uint32_t UndefinedLength = 0xffffffff;
 constexpr std::size_t MaximumValueSize = 1024;
 constexpr int MaximumDepth = 32;
 
+constexpr DicomTag FloatPixelData = 0x7fe00008;
+constexpr DicomTag DoublePixelData = 0x7fe00009;
 constexpr DicomTag PixelData = 0x7fe00010;
 constexpr DicomTag ItemBegin = 0xfffee000;
 constexpr DicomTag ItemEnd = 0xfffee00d;
@@ -42,11 +44,15 @@ struct KeptElement
   const char* Kind;
 };
 constexpr KeptElement KeptElements[] = { { 0x00020002, "UI" }, { 0x00020010, "UI" },
-  { 0x00080016, "UI" }, { 0x00080060, "CS" }, { 0x0008103e, "LO" }, { 0x0020000e, "UI" },
-  { 0x00200032, "DS" }, { 0x00200037, "DS" }, { 0x00280002, "US" }, { 0x00280004, "CS" },
-  { 0x00280008, "IS" }, { 0x00280010, "US" }, { 0x00280011, "US" }, { 0x00280030, "DS" },
-  { 0x00280100, "US" }, { 0x00280101, "US" }, { 0x00280102, "US" }, { 0x00280103, "US" },
-  { 0x00281052, "DS" }, { 0x00281053, "DS" }, { 0x00281054, "LO" } };
+  { 0x00080008, "CS" }, { 0x00080016, "UI" }, { 0x00080032, "TM" }, { 0x00080033, "TM" },
+  { 0x00080060, "CS" }, { 0x0008103e, "LO" }, { 0x00180086, "IS" }, { 0x00180088, "DS" },
+  { 0x00181060, "DS" }, { 0x00189087, "FD" }, { 0x0020000e, "UI" }, { 0x00200012, "IS" },
+  { 0x00200032, "DS" }, { 0x00200037, "DS" }, { 0x00200100, "IS" }, { 0x00280002, "US" },
+  { 0x00280004, "CS" }, { 0x00280008, "IS" }, { 0x00280010, "US" }, { 0x00280011, "US" },
+  { 0x00280030, "DS" }, { 0x00280100, "US" }, { 0x00280101, "US" }, { 0x00280102, "US" },
+  { 0x00280103, "US" }, { 0x00280120, "US" }, { 0x00281052, "DS" }, { 0x00281053, "DS" },
+  { 0x00281054, "LO" }, { 0x00283000, "SQ" }, { 0x00409096, "SQ" }, { 0x3004000e, "DS" },
+  { 0x60000102, "US" } };
 
 const char* FindKind(DicomTag tag)
 {
@@ -223,6 +229,10 @@ Status DicomDataSet::ReadHeader()
     {
       continue; // one too many, behind a sequence of defined length
     }
+    if (head->Tag == FloatPixelData || head->Tag == DoublePixelData)
+    {
+      return this->Stream.MakeError(StatusCode::Unsupported, "its samples are floats");
+    }
     if (head->Tag > PixelData)
     {
       return this->MakeError("it has no pixels");
@@ -282,7 +292,19 @@ Status DicomDataSet::ReadExplicit(const Layout& layout, const std::uint8_t* byte
 
 Status DicomDataSet::TakeOrSkip(const Layout& layout, const Head& head)
 {
-  const char* const known = FindKind(head.Tag);
+  const bool isOverlay = head.Tag >> 21 == 0x6000 >> 5;
+  const DicomTag tag = isOverlay ? head.Tag & 0xff00ffff : head.Tag;
+  const char* const known = FindKind(tag);
+  if (known && std::string_view(known) == "SQ")
+  {
+    const auto isEmpty = this->IsEmptySequence(layout, head);
+    ISOSURFACE_RETURN_IF_ERROR(isEmpty.GetStatus());
+    if (!*isEmpty)
+    {
+      this->Elements.emplace(tag, Value{ known, "" });
+    }
+    return this->Skip(layout, head, 0);
+  }
   if (!known || head.Length == UndefinedLength || head.Kind == "SQ")
   {
     return this->Skip(layout, head, 0);
@@ -292,8 +314,23 @@ Status DicomDataSet::TakeOrSkip(const Layout& layout, const Head& head)
   value.Kind = head.Kind.empty() || head.Kind == "UN" ? known : head.Kind;
   value.Bytes.resize(size);
   ISOSURFACE_RETURN_IF_ERROR(this->Stream.Read(size, value.Bytes.data()));
-  this->Elements.emplace(head.Tag, std::move(value));
+  // Of overlays one that is in the words of the samples counts.
+  if (!isOverlay || value.Bytes.find_first_not_of('\0') != std::string::npos)
+  {
+    this->Elements.emplace(tag, std::move(value));
+  }
   return this->Stream.Skip(head.Length - size);
+}
+
+Result<bool> DicomDataSet::IsEmptySequence(const Layout& layout, const Head& head)
+{
+  std::array<std::uint8_t, 4> bytes{};
+  if (head.Length != UndefinedLength)
+  {
+    return head.Length == 0;
+  }
+  ISOSURFACE_RETURN_IF_ERROR(this->Stream.Peek(bytes.size(), bytes.data()));
+  return LoadTag(bytes.data(), layout.IsBigEndian) == SequenceEnd;
 }
 
 Status DicomDataSet::Skip(const Layout& layout, const Head& head, int depth)
@@ -399,7 +436,7 @@ Status DicomDataSet::AppendPixels(std::uint64_t size, std::vector<std::uint8_t>&
 {
   if (this->HasFragments())
   {
-    return this->JoinFragments(to);
+    return this->JoinFragments(size, to);
   }
   if (this->Pixels.Length < size || !this->Stream.MayHave(size))
   {
@@ -410,7 +447,7 @@ Status DicomDataSet::AppendPixels(std::uint64_t size, std::vector<std::uint8_t>&
 }
 
 /// One image may have several fragments: they are its bytes one after another.
-Status DicomDataSet::JoinFragments(std::vector<std::uint8_t>& to)
+Status DicomDataSet::JoinFragments(std::uint64_t size, std::vector<std::uint8_t>& to)
 {
   const std::size_t begin = to.size();
   for (bool isTable = true; this->Stream.MayHave(1); isTable = false)
@@ -435,8 +472,13 @@ Status DicomDataSet::JoinFragments(std::vector<std::uint8_t>& to)
     {
       return this->Stream.MakeError(StatusCode::Corrupt, "its image is truncated");
     }
+    const std::uint64_t wanted = std::min<std::uint64_t>(length, size - (to.size() - begin));
     ISOSURFACE_RETURN_IF_ERROR(
-      isTable ? this->Stream.Skip(length) : this->Stream.Append(length, to));
+      isTable ? this->Stream.Skip(length) : this->Stream.Append(wanted, to));
+    if (to.size() - begin == size)
+    {
+      return Status::Ok();
+    }
   }
   return Status::Ok(); // without the end of the sequence, but whole
 }

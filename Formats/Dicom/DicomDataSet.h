@@ -14,7 +14,7 @@
 namespace isosurface
 {
 
-/// Group and element: 0x00280010 is (0028,0010).
+/// Group and element: 0x00280010 is (0028,0010). Of the groups of overlays (6000 to 601E) it is the first.
 using DicomTag = std::uint32_t;
 
 /**
@@ -50,6 +50,7 @@ public:
   /// The UID of the transfer syntax. If the file has none, that of its elements.
   const std::string& GetSyntax() const { return this->Syntax; }
 
+  /// Whether there is such an element; of a sequence, whether it has items.
   bool Has(DicomTag tag) const { return this->Elements.count(tag) > 0; }
   /// The value as text, numbers separated by backslashes; empty if it is none or missing.
   std::string GetText(DicomTag tag) const;
@@ -65,8 +66,8 @@ public:
   bool HasBigEndianWords() const { return this->Main.IsBigEndian && this->Pixels.Kind != "OB"; }
   /// The number of bytes of pixels that are no fragments.
   std::uint64_t GetPixelSize() const { return this->Pixels.Length; }
-  /// Appends that many bytes of pixels that are no fragments, or joins all fragments but the first,
-  /// which is a table, whatever the size. Once.
+  /// Appends that many bytes of pixels that are no fragments, or at most that many of all fragments, but
+  /// the first, which is a table. Once.
   Status AppendPixels(std::uint64_t size, std::vector<std::uint8_t>& to);
 
 private:
@@ -94,10 +95,11 @@ private:
   Result<Head> ReadHead(const Layout& layout);
   Status ReadExplicit(const Layout& layout, const std::uint8_t* bytes, Head& head);
   Status TakeOrSkip(const Layout& layout, const Head& head);
+  Result<bool> IsEmptySequence(const Layout& layout, const Head& head);
   Status Skip(const Layout& layout, const Head& head, int depth);
   Status SkipItems(const Layout& layout, bool isUnknown, int depth);
   Status SkipItem(const Layout& layout, int depth);
-  Status JoinFragments(std::vector<std::uint8_t>& to);
+  Status JoinFragments(std::uint64_t size, std::vector<std::uint8_t>& to);
   Status MakeError(const std::string& reason) const;
 
   DicomStream Stream;

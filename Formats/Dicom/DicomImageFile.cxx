@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Dicom/DicomImageFile.h"
 
-#include "Formats/Dicom/DicomCompression.h"
+#include <limits>
 
 namespace isosurface
 {
@@ -63,20 +63,15 @@ void DicomImageFile::PutHeader()
   this->PutText(0x00020002, "UI", storage);
   this->PutText(0x00020003, "UI", "1.2.3");
   this->PutText(0x00020010, "UI", this->Slice.Syntax);
-  const auto bits = static_cast<std::int64_t>(8 * GetValueSize(this->Slice.Type));
-  const bool isSigned = this->Slice.Type == ValueType::Int8 ||
-    this->Slice.Type == ValueType::Int16 || this->Slice.Type == ValueType::Int32;
-  // GDCM clears unused bits of samples of 16 bits, and cannot do so with others.
-  const std::int64_t stored = bits == 16 ? this->Slice.BitsStored : bits;
   this->PutText(0x00080016, "UI", storage);
   this->PutNumber(0x00280002, 1);
   this->PutText(0x00280004, "CS", this->Slice.Photometric);
   this->PutNumber(0x00280010, this->Slice.Rows);
   this->PutNumber(0x00280011, this->Slice.Columns);
-  this->PutNumber(0x00280100, bits);
-  this->PutNumber(0x00280101, stored);
-  this->PutNumber(0x00280102, stored - 1);
-  this->PutNumber(0x00280103, isSigned ? 1 : 0);
+  this->PutNumber(0x00280100, static_cast<std::int64_t>(8 * this->GetValueBytes()));
+  this->PutNumber(0x00280101, this->Form.Bits);
+  this->PutNumber(0x00280102, this->Form.Bits - 1);
+  this->PutNumber(0x00280103, this->Form.IsSigned ? 1 : 0);
 }
 
 /// Sets the length that stands before `begin`: of all bytes from there on.
@@ -102,8 +97,37 @@ Status DicomImageFile::MakeError(const std::string& reason) const
     StatusCode::Corrupt, this->Slice.Path + ": cannot be read: its image is damaged: " + reason);
 }
 
+std::size_t DicomImageFile::GetValueBytes() const
+{
+  return this->Form.Bits <= 8 ? 1 : this->Form.Bits <= 16 ? 2 : 4;
+}
+
+Status DicomImageFile::CheckForm(const std::optional<CompressedForm>& form)
+{
+  if (!form)
+  {
+    return this->MakeError("it does not begin as JPEG, JPEG-LS or JPEG 2000");
+  }
+  if (form->Size !=
+    std::array<std::uint64_t, 3>{ static_cast<std::uint64_t>(this->Slice.Columns),
+      static_cast<std::uint64_t>(this->Slice.Rows), 1 })
+  {
+    return this->MakeError("it is of another size than its header says");
+  }
+  this->Form = *form;
+  // What was found with the header has decided the type of the volume.
+  const int known = this->Slice.Form ? this->Slice.Form->Bits : this->Slice.BitsStored;
+  return form->Bits >= 1 && form->Bits <= known
+    ? Status::Ok()
+    : this->MakeError(
+        "its samples have " + std::to_string(form->Bits) + " bits, other than its header says");
+}
+
 Status DicomImageFile::TakePixels(DicomDataSet& tags)
 {
+  std::vector<std::uint8_t> code;
+  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(std::numeric_limits<std::uint64_t>::max(), code));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckForm(FindCompressedForm(code.data(), code.size())));
   this->PutHeader();
   this->PutHead(0x7fe00010, "OB", NoLength);
   this->Put32(WrittenItemBegin); // an empty table, then one fragment
@@ -111,18 +135,7 @@ Status DicomImageFile::TakePixels(DicomDataSet& tags)
   this->Put32(WrittenItemBegin);
   this->Put32(0);
   const std::size_t begin = this->Bytes.size();
-  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(0, this->Bytes));
-  const auto size = FindCompressedSize(this->Bytes.data() + begin, this->Bytes.size() - begin);
-  if (!size)
-  {
-    return this->MakeError("it does not begin as JPEG, JPEG-LS or JPEG 2000");
-  }
-  if (*size !=
-    CompressedSize{ static_cast<std::uint64_t>(this->Slice.Columns),
-      static_cast<std::uint64_t>(this->Slice.Rows), 1 })
-  {
-    return this->MakeError("it is of another size than its header says");
-  }
+  this->Bytes.insert(this->Bytes.end(), code.begin(), code.end());
   ISOSURFACE_RETURN_IF_ERROR(this->PutLength(begin));
   this->Put32(WrittenSequenceEnd);
   this->Put32(0);

@@ -15,8 +15,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <istream>
 #include <limits>
@@ -31,6 +31,10 @@ namespace
 {
 
 constexpr std::int64_t MaximumSide = 65536;
+/// Of a compressed image, what may stand before its first sample.
+constexpr std::uint64_t MaximumStart = 16384;
+constexpr DicomTag MomentTags[] = { 0x00180086, 0x00200100, 0x00200012, 0x00181060, 0x00189087,
+  0x00080032, 0x00080033, 0x00080008 };
 
 Status MakeError(const std::string& path, const std::string& reason)
 {
@@ -40,6 +44,12 @@ Status MakeError(const std::string& path, const std::string& reason)
 gdcm::TransferSyntax::TSType FindSyntax(const DicomSlice& slice)
 {
   return gdcm::TransferSyntax::GetTSType(slice.Syntax.c_str());
+}
+
+bool IsSigned(const DicomSlice& slice)
+{
+  return slice.Type == ValueType::Int8 || slice.Type == ValueType::Int16 ||
+    slice.Type == ValueType::Int32;
 }
 
 /// A step of the last digit of a decimal number.
@@ -75,19 +85,83 @@ void TakePlace(const DicomDataSet& tags, DicomSlice& slice)
     slice.RowDistance = (*distances)[0];
     slice.ColumnDistance = (*distances)[1];
   }
+  slice.SliceDistance = tags.GetNumber(0x00180088, 0);
 }
 
-/// Other bits than the lowest are not what GDCM would take.
-Status CheckBits(const DicomDataSet& tags, const DicomSlice& slice)
+/// Which bits of `allocated` ones are samples.
+Status TakeBits(const DicomDataSet& tags, int allocated, DicomSlice& slice)
 {
-  const bool isPart = slice.Type == ValueType::Int16 || slice.Type == ValueType::UInt16;
-  const double highest = tags.GetNumber(0x00280102, slice.BitsStored - 1);
-  if (isPart && slice.BitsStored < 16 && highest != slice.BitsStored - 1)
+  const bool isSigned = tags.GetNumber(0x00280103, 0) != 0;
+  const auto type = allocated == 8 || allocated == 16 || allocated == 32
+    ? FindIntegerType(static_cast<std::size_t>(allocated) / 8, isSigned)
+    : std::nullopt;
+  if (!type)
   {
     return Status(StatusCode::Unsupported,
-      slice.Path + ": cannot be read: its samples are not in the lowest bits");
+      slice.Path + ": cannot be read: its samples have " + std::to_string(allocated) + " bits");
   }
+  const double stored = tags.GetNumber(0x00280101, allocated);
+  const double highest = tags.GetNumber(0x00280102, stored - 1);
+  if (!(stored >= 1 && highest >= stored - 1 && highest < allocated))
+  {
+    return MakeError(slice.Path, "its numbers of bits are impossible");
+  }
+  slice.Type = *type;
+  slice.BitsStored = static_cast<int>(stored);
+  slice.LowBit = static_cast<int>(highest - stored) + 1;
+  slice.HasOverlay = tags.Has(0x60000102);
+  slice.ValueBits = slice.BitsStored;
   return Status::Ok();
+}
+
+/// What the header says that nobody obeys.
+std::string FindNotes(const DicomDataSet& tags, const DicomSlice& slice)
+{
+  std::string notes;
+  const auto note = [&notes](const std::string& text)
+  { notes += (notes.empty() ? "" : "; ") + text; };
+  if (slice.Photometric == "MONOCHROME1")
+  {
+    note("low samples are the bright ones (MONOCHROME1)");
+  }
+  if (!tags.GetText(0x00280120).empty())
+  {
+    double padding = tags.GetNumber(0x00280120, 0);
+    padding -= IsSigned(slice) && padding > 32767 ? 65536 : 0; // an implicit element has no sign
+    std::array<char, 160> text{};
+    std::snprintf(text.data(), text.size(),
+      "samples where nothing was measured keep their value, %.10g (Pixel Padding Value %.10g)",
+      slice.Scale.Slope * padding + slice.Scale.Intercept, padding);
+    note(text.data());
+  }
+  if (slice.HasPlace && !tags.GetNumbers(0x00280030, 2))
+  {
+    note("there is no Pixel Spacing: rows and columns are 1 mm apart");
+  }
+  if (!tags.GetText(0x3004000e).empty())
+  {
+    note("samples are not multiplied by the Dose Grid Scaling " + tags.GetText(0x3004000e));
+  }
+  if (tags.Has(0x00409096))
+  {
+    note("the Real World Value Mapping is not applied");
+  }
+  return notes;
+}
+
+Status CheckNumbers(const DicomDataSet& tags, const DicomSlice& slice)
+{
+  if (tags.Has(0x00283000))
+  {
+    return Status(StatusCode::Unsupported,
+      slice.Path + ": cannot be read: its samples go through a table (Modality LUT Sequence)");
+  }
+  const bool isScale = slice.Scale.Slope != 0;
+  const bool isDistance = slice.RowDistance > 0 && slice.ColumnDistance > 0 &&
+    std::isfinite(slice.RowDistance) && std::isfinite(slice.ColumnDistance);
+  return !isScale ? MakeError(slice.Path, "its Rescale Slope is 0")
+    : !isDistance ? MakeError(slice.Path, "its Pixel Spacing is impossible")
+                  : Status::Ok();
 }
 
 Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
@@ -114,24 +188,55 @@ Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
   slice.Frames = static_cast<std::int64_t>(frames);
   slice.Channels = static_cast<int>(std::clamp(tags.GetNumber(0x00280002, 1), 0.0, 100.0));
   const auto bits = static_cast<int>(std::clamp(tags.GetNumber(0x00280100, 0), 0.0, 100.0));
-  const bool isSigned = tags.GetNumber(0x00280103, 0) != 0;
-  const auto type = bits == 8 || bits == 16 || bits == 32
-    ? FindIntegerType(static_cast<std::size_t>(bits) / 8, isSigned)
-    : std::nullopt;
-  if (!type)
-  {
-    return Status(StatusCode::Unsupported,
-      slice.Path + ": cannot be read: its samples have " + std::to_string(bits) + " bits");
-  }
-  slice.Type = *type;
-  slice.BitsStored =
-    static_cast<int>(std::clamp<double>(tags.GetNumber(0x00280101, bits), 1, bits));
+  ISOSURFACE_RETURN_IF_ERROR(TakeBits(tags, bits, slice));
   slice.Scale = { tags.GetNumber(0x00281053, 1), tags.GetNumber(0x00281052, 0) };
   // The images of CT say which type they have if it is not this one (PS3.3, C.8.2.1).
   const std::string scaledTo = tags.GetText(0x00281054);
   slice.IsHounsfield = scaledTo == "HU" || (scaledTo.empty() && tags.GetText(0x00080060) == "CT");
   TakePlace(tags, slice);
-  return CheckBits(tags, slice);
+  slice.ImageType = tags.GetText(0x00080008);
+  for (std::size_t moment = 0; moment < slice.Moments.size(); ++moment)
+  {
+    slice.Moments[moment] = tags.GetText(MomentTags[moment]);
+  }
+  slice.Notes = FindNotes(tags, slice);
+  return CheckNumbers(tags, slice);
+}
+
+bool IsOfRunLengths(const DicomSlice& slice)
+{
+  return FindSyntax(slice) == gdcm::TransferSyntax::RLELossless;
+}
+
+/// Whether samples are those bits of decoded words that the header tells. Of fewer bits than that, and of
+/// JPEG-LS and JPEG 2000, the stream is right where both disagree, unless the header has others for them.
+bool HasOtherBits(const DicomSlice& slice, const CompressedForm& form)
+{
+  return form.Bits > slice.BitsStored && form.Bits >= slice.LowBit + slice.BitsStored &&
+    (slice.LowBit > 0 || slice.HasOverlay || form.IsJpeg);
+}
+
+Status TakeForm(DicomDataSet& tags, DicomSlice& slice)
+{
+  if (!tags.HasFragments() || IsOfRunLengths(slice))
+  {
+    return Status::Ok();
+  }
+  std::vector<std::uint8_t> start;
+  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(MaximumStart, start));
+  slice.Form = FindCompressedForm(start.data(), start.size());
+  if (!slice.Form)
+  {
+    return Status::Ok(); // Decode() tells what is wrong
+  }
+  if (slice.Form->Bits > static_cast<int>(8 * GetValueSize(slice.Type)))
+  {
+    return Status(StatusCode::Unsupported,
+      slice.Path + ": cannot be read: its compressed image has samples of " +
+        std::to_string(slice.Form->Bits) + " bits, more than its header allocates");
+  }
+  slice.ValueBits = HasOtherBits(slice, *slice.Form) ? slice.BitsStored : slice.Form->Bits;
+  return Status::Ok();
 }
 
 /// Whether what could be read of the file is that of an image, or tells nothing.
@@ -162,24 +267,42 @@ Status CheckPixels(const DicomDataSet& tags, const DicomSlice& slice)
                  : Status::Ok();
 }
 
-/// Overlays may be in the bits above those of 16 that are stored.
+/// Overlays may be in the other bits of the words.
 void ClearUnusedBits(const DicomSlice& slice, std::vector<std::uint8_t>& samples)
 {
-  const int unused = 16 - slice.BitsStored;
-  if (GetValueSize(slice.Type) != 2 || unused == 0)
+  const std::size_t size = GetValueSize(slice.Type);
+  if (slice.BitsStored < static_cast<int>(8 * size))
   {
-    return;
+    TakeSamples({ samples.data(), size, samples.size() / size },
+      { slice.LowBit, slice.BitsStored, IsSigned(slice) }, size, samples.data());
   }
-  for (std::size_t at = 0; at < samples.size(); at += 2)
+}
+
+/// Makes samples of what GDCM has decoded.
+Status TakeDecoded(const DicomSlice& slice, const CompressedForm& form, const SampleWords& words,
+  std::vector<std::uint8_t>& to)
+{
+  if (form.IsSigned && !IsSigned(slice) && HasBitsFrom(words, form.Bits - 1))
   {
-    std::uint16_t bits;
-    std::memcpy(&bits, samples.data() + at, 2);
-    const auto highest = static_cast<std::uint16_t>(bits << unused);
-    bits = slice.Type == ValueType::Int16
-      ? static_cast<std::uint16_t>(static_cast<std::int16_t>(highest) >> unused)
-      : static_cast<std::uint16_t>(highest >> unused);
-    std::memcpy(samples.data() + at, &bits, 2);
+    return Status(StatusCode::Unsupported,
+      slice.Path + ": cannot be read: its image has negative samples, its header unsigned ones");
   }
+  SampleBits bits{ 0, form.Bits, IsSigned(slice) };
+  // Some encoders clear the bits above those that are stored, and so the sign there.
+  const bool isSignStored = bits.IsSigned && !form.IsSigned && form.Bits > slice.BitsStored &&
+    !HasBitsFrom(words, slice.BitsStored);
+  if (HasOtherBits(slice, form))
+  {
+    bits = { slice.LowBit, slice.BitsStored, bits.IsSigned };
+  }
+  else if (isSignStored)
+  {
+    bits.Count = slice.BitsStored;
+  }
+  const std::size_t size = GetValueSize(slice.Type);
+  to.resize(words.Count * size);
+  TakeSamples(words, bits, size, to.data());
+  return Status::Ok();
 }
 
 /// Samples that are not compressed.
@@ -208,7 +331,7 @@ Status ReadRunLengths(const DicomSlice& slice, DicomDataSet& tags, std::vector<s
 {
   const std::size_t valueSize = GetValueSize(slice.Type);
   std::vector<std::uint8_t> code;
-  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(0, code));
+  ISOSURFACE_RETURN_IF_ERROR(tags.AppendPixels(std::numeric_limits<std::uint64_t>::max(), code));
   to.clear();
   return DecodeRunLengths(code, GetImageSize(slice) / valueSize, valueSize, to)
     ? Status::Ok()
@@ -255,6 +378,10 @@ void BeQuiet()
 
 } // namespace
 
+const std::array<const char*, 8> DicomSlice::MomentNames = { "Echo Numbers",
+  "Temporal Position Identifier", "Acquisition Number", "Trigger Time", "Diffusion b-value",
+  "Acquisition Time", "Content Time", "Image Type" };
+
 Result<DicomSlice> DicomSlice::Read(const std::string& path, std::string* series)
 {
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
@@ -271,6 +398,7 @@ Result<DicomSlice> DicomSlice::Read(const std::string& path, std::string* series
   if (read.IsOk() && tags.Has(0x00280010))
   {
     ISOSURFACE_RETURN_IF_ERROR(TakeHeader(tags, slice));
+    ISOSURFACE_RETURN_IF_ERROR(TakeForm(tags, slice));
     return slice;
   }
   if (!read.IsOk() && read.GetCode() != StatusCode::Corrupt &&
@@ -278,7 +406,7 @@ Result<DicomSlice> DicomSlice::Read(const std::string& path, std::string* series
   {
     return read;
   }
-  if (tags.HasMagic() && IsImage(tags))
+  if ((tags.HasMagic() && IsImage(tags)) || tags.Has(0x00280010))
   {
     return read.IsOk() ? MakeError(path, "its header is damaged: it has no rows") : read;
   }
@@ -292,7 +420,7 @@ Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
   DicomDataSet tags(**file);
   ISOSURFACE_RETURN_IF_ERROR(tags.ReadHeader());
   ISOSURFACE_RETURN_IF_ERROR(CheckPixels(tags, *this));
-  if (!tags.HasFragments() || FindSyntax(*this) == gdcm::TransferSyntax::RLELossless)
+  if (!tags.HasFragments() || IsOfRunLengths(*this))
   {
     ISOSURFACE_RETURN_IF_ERROR(
       tags.HasFragments() ? ReadRunLengths(*this, tags, to) : ReadSamples(*this, tags, to));
@@ -319,22 +447,24 @@ Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
     }
     const gdcm::Image& image = reader.GetImage();
     const unsigned int* size = image.GetDimensions();
-    const auto bytes = static_cast<std::size_t>(GetImageSize(*this));
-    if (size[0] != this->Columns || size[1] != this->Rows || image.GetBufferLength() != bytes)
+    const std::size_t valueBytes = plain.GetValueBytes();
+    const auto count = static_cast<std::size_t>(this->Rows * this->Columns);
+    if (size[0] != this->Columns || size[1] != this->Rows ||
+      image.GetBufferLength() != count * valueBytes)
     {
       return MakeError(this->Path, "its image is of another size than its header says");
     }
-    to.resize(bytes);
-    if (!image.GetBuffer(reinterpret_cast<char*>(to.data())))
+    std::vector<std::uint8_t> decoded(count * valueBytes);
+    if (!image.GetBuffer(reinterpret_cast<char*>(decoded.data())))
     {
       return MakeError(this->Path, "its image cannot be decoded: it is damaged or truncated");
     }
+    return TakeDecoded(*this, plain.GetForm(), { decoded.data(), valueBytes, count }, to);
   }
   catch (const std::exception& error)
   {
     return MakeError(this->Path, std::string("its image is damaged: ") + error.what());
   }
-  return Status::Ok();
 }
 
 } // namespace isosurface

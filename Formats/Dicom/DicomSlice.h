@@ -2,12 +2,16 @@
 #ifndef isosurface_DicomSlice_h
 #define isosurface_DicomSlice_h
 
+#include "Formats/Dicom/DicomCompression.h"
+#include "Formats/Dicom/DicomSampleBits.h"
 #include "Formats/Source/ConvertedSource.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ValueType.h"
 #include "Ground/Volume/Vector3.h"
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,15 +32,26 @@ struct DicomSlice
   int Channels = 1;
   ValueType Type = ValueType::UInt8; ///< as stored
   int BitsStored = 8;
+  int LowBit = 0;                     ///< of a stored word, the lowest that is of the sample
+  bool HasOverlay = false;            ///< whether an overlay is in other bits of the words
+  std::optional<CompressedForm> Form; ///< of a compressed image, if its start tells
+  int ValueBits = 8;                  ///< that samples may have
   SampleScale Scale;
   bool IsHounsfield = false; ///< whether scaled samples are Hounsfield units
-  bool HasPlace = false;     ///< whether the next three are in the header
+  bool HasPlace = false;     ///< whether the next four are in the header
   Vector3 Position{};        ///< of the first pixel, in millimetres: left, back, up
   double PositionUnit = 0;   ///< a step of the last digit of those, in millimetres
   Vector3 AlongRow{};        ///< unit vector from column to column
   Vector3 AlongColumn{};     ///< unit vector from row to row
   double RowDistance = 1;    ///< between rows
   double ColumnDistance = 1;
+  double SliceDistance = 0; ///< SpacingBetweenSlices; 0: it is not in the header
+  std::string ImageType;    ///< "ORIGINAL\PRIMARY\AXIAL"
+  /// What may differ between images of one place: those of DicomSlice::MomentNames.
+  std::array<std::string, 8> Moments;
+  std::string Notes; ///< what of the header is not obeyed, for a message
+
+  static const std::array<const char*, 8> MomentNames;
 
   /// Reads the header. NotFound if the file is no DICOM image; otherwise as the errors of files.
   /// `series` gets the UID as far as the header tells it, after an error, too; it may be null.
@@ -44,7 +59,8 @@ struct DicomSlice
 
   /// Decodes the image, with any transfer syntax that GDCM supports. `to`: Rows * Columns samples of
   /// Type. May be called by several threads at once; those of compressed images wait for each other.
-  /// Errors name the file: Corrupt; Unsupported if it is compressed and has 4 GiB; those of the file.
+  /// Errors name the file: Corrupt; Unsupported if it is compressed and has 4 GiB, or if it has negative
+  /// samples and its header says that it has none; those of the file.
   Status Decode(std::vector<std::uint8_t>& to) const;
 };
 

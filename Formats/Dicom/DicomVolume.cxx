@@ -51,7 +51,7 @@ public:
   /// A compressed image and a copy that GDCM makes, the decoded one and another copy; less of others.
   std::uint64_t GetHeldBytes() const override
   {
-    return 5 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *
+    return 6 * static_cast<std::uint64_t>(this->Box.High[0] * this->Box.High[1]) *
       GetValueSize(this->Series->front().Type) +
       this->Series->size() * 1024;
   }
@@ -390,7 +390,7 @@ ValueType FindType(const Slices& slices)
     }
     const bool isSigned = slice.Type == ValueType::Int8 || slice.Type == ValueType::Int16 ||
       slice.Type == ValueType::Int32;
-    const double range = std::ldexp(1.0, slice.BitsStored);
+    const double range = std::ldexp(1.0, slice.ValueBits);
     const double minimum = isSigned ? -range / 2 : 0;
     const double ends[] = { slope * minimum + intercept,
       slope * (minimum + range - 1) + intercept };

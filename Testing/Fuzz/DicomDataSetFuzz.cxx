@@ -50,7 +50,7 @@ void RequireNamed(const Status& status)
 /// What is done to compressed images before GDCM gets them.
 void Decompress(const DicomDataSet& tags, const std::vector<std::uint8_t>& pixels)
 {
-  static_cast<void>(FindCompressedSize(pixels.data(), pixels.size()));
+  static_cast<void>(FindCompressedForm(pixels.data(), pixels.size()));
   const double count = tags.GetNumber(0x00280010, 0) * tags.GetNumber(0x00280011, 0);
   const double bits = tags.GetNumber(0x00280100, 0);
   if (count >= 1 && count <= MostCoded && (bits == 8 || bits == 16 || bits == 32))

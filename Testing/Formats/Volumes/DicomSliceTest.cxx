@@ -140,26 +140,6 @@ TEST(DicomSlice, TruncatedPixelsAreAnErrorAndMoreThanNeededAreNot)
   ExpectSamples(more.PutBytes(0x7fe00010, "OW", pixels), SlicePixels);
 }
 
-TEST(DicomSlice, UnusedBitsAreCleared)
-{
-  const auto make = [](std::uint32_t bits, std::uint32_t stored, std::uint32_t highest,
-                      std::uint32_t isSigned, const Bytes& pixels)
-  {
-    DicomBytes bytes;
-    bytes.PutStart(SliceSyntax).PutText(0x00280004, "CS", "MONOCHROME2");
-    bytes.PutNumber(0x00280010, 1).PutNumber(0x00280011, 2).PutNumber(0x00280100, bits);
-    bytes.PutNumber(0x00280101, stored).PutNumber(0x00280102, highest);
-    return bytes.PutNumber(0x00280103, isSigned).PutBytes(0x7fe00010, "OW", pixels);
-  };
-  ExpectSamples(make(8, 7, 6, 0, { 0x81, 2 }), { 0x81, 2 }); // of 8 bits all are taken
-  const Bytes pixels = { 0x34, 0x18, 0x21, 0xf7 };
-  ExpectSamples(make(16, 16, 15, 1, pixels), pixels);
-  ExpectSamples(make(16, 12, 11, 0, pixels), { 0x34, 0x08, 0x21, 0x07 });
-  ExpectSamples(make(16, 12, 11, 1, pixels), { 0x34, 0xf8, 0x21, 0x07 });
-  ExpectSamples(make(16, 1, 0, 1, pixels), { 0, 0, 0xff, 0xff });
-  ExpectRefused(make(16, 12, 15, 0, pixels), "not in the lowest bits");
-}
-
 TEST(DicomSlice, SamplesOfEitherByteOrderAreRead)
 {
   const std::string big = "1.2.840.10008.1.2.2";
