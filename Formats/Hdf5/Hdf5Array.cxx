@@ -72,12 +72,14 @@ bool IsLayoutPossible(const Hdf5Handle& dataset, const StoredArray::Numbers& chu
 class Hdf5File::Array : public StoredArray
 {
 public:
-  Array(const Hdf5File& file, std::string path, Hdf5Handle dataset, ValueType type)
+  Array(const Hdf5File& file, std::string path, Hdf5Handle dataset, ValueType stored,
+    const Numbers& shape, ValueType type)
     : File(file)
     , Name(file.Path + ":" + path)
     , ObjectPath(std::move(path))
     , Dataset(std::move(dataset))
-    , Shape(FindHdf5Shape(this->Dataset))
+    , Shape(shape)
+    , StoredType(stored)
     , Type(type)
   {
   }
@@ -118,7 +120,7 @@ public:
     }
     this->Dataset = std::move(dataset);
     this->Coding =
-      Hdf5ChunkCoding::Find(this->Dataset, plist, GetNativeType(this->Type), this->Chunk);
+      Hdf5ChunkCoding::Find(this->Dataset, plist, GetNativeType(this->StoredType), this->Chunk);
     if (this->Coding && this->Coding->GetChunkBytes() <= MostCheckedBytes &&
       this->LoadChunk(Numbers(this->Shape.size(), 0)) &&
       this->Coding->IsOfAnotherSize(this->Stored))
@@ -159,7 +161,7 @@ public:
     if (!inFile.IsOpen() || !inMemory.IsOpen() ||
       ::H5Sselect_hyperslab(
         inFile.Get(), H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr) < 0 ||
-      ::H5Dread(this->Dataset.Get(), GetNativeType(this->Type), inMemory.Get(), inFile.Get(),
+      ::H5Dread(this->Dataset.Get(), GetNativeType(this->StoredType), inMemory.Get(), inFile.Get(),
         H5P_DEFAULT, to) < 0)
     {
       return this->File.MakeError(StatusCode::Corrupt, this->ObjectPath, FindHdf5Reason());
@@ -198,6 +200,7 @@ private:
   std::string ObjectPath;
   Hdf5Handle Dataset;
   Numbers Shape;
+  ValueType StoredType; ///< of the file; its bits are those of Type
   ValueType Type;
   Numbers Chunk;
   std::optional<Hdf5ChunkCoding> Coding;
@@ -228,8 +231,8 @@ Result<Hdf5Handle> Hdf5File::OpenDataset(const std::string& path) const
                          : this->MakeError(StatusCode::NotFound, path, "there is no such dataset");
 }
 
-Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(
-  const std::string& path, std::uint64_t cacheBytes) const
+Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(const std::string& path,
+  std::uint64_t cacheBytes, const StoredArray::Numbers& shape, bool isUnsigned) const
 {
   const Hdf5Scope scope;
   auto dataset = this->OpenDataset(path);
@@ -242,7 +245,21 @@ Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(
       "its type, " + DescribeHdf5Type(type.Get()) +
         ", is neither an integer of 8, 16, 32 or 64 bits nor a float of 16, 32 or 64");
   }
-  auto array = std::make_shared<Array>(*this, path, std::move(*dataset), *found);
+  const StoredArray::Numbers whole = FindHdf5Shape(*dataset);
+  bool isWithin = shape.empty() || shape.size() == whole.size();
+  for (std::size_t axis = 0; isWithin && axis < shape.size(); ++axis)
+  {
+    isWithin = shape[axis] >= 1 && shape[axis] <= whole[axis];
+  }
+  if (!isWithin)
+  {
+    return this->MakeError(StatusCode::Corrupt, path,
+      "it has " + JoinNumbers(whole) + " samples, of which " + JoinNumbers(shape) +
+        " are said to be its own");
+  }
+  auto array =
+    std::make_shared<Array>(*this, path, std::move(*dataset), *found, shape.empty() ? whole : shape,
+      isUnsigned && *found == ValueType::Int16 ? ValueType::UInt16 : *found);
   ISOSURFACE_RETURN_IF_ERROR(array->SetCache(cacheBytes));
   return std::shared_ptr<StoredArray>(std::move(array));
 }

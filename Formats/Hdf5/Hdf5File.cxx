@@ -48,7 +48,13 @@ Result<Hdf5File> Hdf5File::Open(const std::string& path)
   Hdf5Handle file(::H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), ::H5Fclose);
   if (!file.IsOpen())
   {
-    return Status(StatusCode::Corrupt, path + ": cannot be read as HDF5: " + FindHdf5Reason());
+    char start[11] = {};
+    const bool isOld = (*bytes)->GetSize() >= sizeof(start) &&
+      (*bytes)->Read(0, sizeof(start) - 1, start).IsOk() && std::string(start) == "MATLAB 5.0";
+    return isOld
+      ? Status(StatusCode::Unsupported,
+          path + ": cannot be read: it is a MAT-file of version 5; MATLAB writes HDF5 with -v7.3")
+      : Status(StatusCode::Corrupt, path + ": cannot be read as HDF5: " + FindHdf5Reason());
   }
   Hdf5File opened;
   opened.Path = path;
@@ -152,7 +158,7 @@ bool Hdf5File::IsDataset(const std::string& path) const
   return this->Links->FindObject(this->File->Get(), path, info) && info.type == H5O_TYPE_DATASET;
 }
 
-std::optional<std::string> Hdf5File::ReadText(
+std::vector<std::string> Hdf5File::ReadTexts(
   const std::string& object, const std::string& name) const
 {
   const Hdf5Scope scope;
@@ -161,30 +167,57 @@ std::optional<std::string> Hdf5File::ReadText(
     ::H5Aclose);
   const Hdf5Handle type(attribute.IsOpen() ? ::H5Aget_type(attribute.Get()) : -1, ::H5Tclose);
   const Hdf5Handle space(attribute.IsOpen() ? ::H5Aget_space(attribute.Get()) : -1, ::H5Sclose);
+  constexpr std::size_t most = 4096; // texts, and letters of each
   if (!type.IsOpen() || !space.IsOpen() || ::H5Tget_class(type.Get()) != H5T_STRING ||
-    ::H5Sget_simple_extent_npoints(space.Get()) != 1)
+    ::H5Sget_simple_extent_npoints(space.Get()) < 1 ||
+    ::H5Sget_simple_extent_npoints(space.Get()) > static_cast<hssize_t>(most))
   {
-    return std::nullopt;
+    return {};
   }
+  const auto count = static_cast<std::size_t>(::H5Sget_simple_extent_npoints(space.Get()));
+  std::vector<std::string> texts;
   if (::H5Tis_variable_str(type.Get()) > 0)
   {
-    char* text = nullptr;
-    if (::H5Aread(attribute.Get(), type.Get(), &text) < 0 || !text)
+    std::vector<char*> found(count, nullptr);
+    if (::H5Aread(attribute.Get(), type.Get(), found.data()) < 0)
     {
-      return std::nullopt;
+      return {};
     }
-    std::string result(text);
-    ::H5free_memory(text);
-    return result;
+    for (const char* text : found)
+    {
+      texts.emplace_back(text ? text : "");
+    }
+    ::H5Dvlen_reclaim(type.Get(), space.Get(), H5P_DEFAULT, found.data());
+    return texts;
   }
-  constexpr std::size_t longest = 4096;
-  std::string text(std::min(::H5Tget_size(type.Get()), longest), '\0');
-  if (::H5Tget_size(type.Get()) > longest ||
-    ::H5Aread(attribute.Get(), type.Get(), text.data()) < 0)
+  const std::size_t size = ::H5Tget_size(type.Get());
+  std::string letters(size <= most ? size * count : 0, '\0');
+  if (letters.empty() || ::H5Aread(attribute.Get(), type.Get(), letters.data()) < 0)
   {
-    return std::nullopt;
+    return {};
   }
-  return text.substr(0, text.find('\0'));
+  for (std::size_t text = 0; text < count; ++text)
+  {
+    const std::string padded = letters.substr(text * size, size);
+    texts.push_back(padded.substr(0, padded.find('\0')));
+  }
+  return texts;
+}
+
+std::optional<std::string> Hdf5File::ReadText(
+  const std::string& object, const std::string& name) const
+{
+  const std::vector<std::string> texts = this->ReadTexts(object, name);
+  std::string joined;
+  for (const std::string& text : texts)
+  {
+    if (texts.size() > 1 && text.size() > 1)
+    {
+      return std::nullopt; // several texts
+    }
+    joined += text;
+  }
+  return texts.empty() ? std::nullopt : std::optional<std::string>(joined);
 }
 
 std::optional<std::vector<double>> Hdf5File::ReadNumbers(
@@ -207,6 +240,70 @@ std::optional<std::vector<double>> Hdf5File::ReadNumbers(
     return std::nullopt;
   }
   return numbers;
+}
+
+Result<std::vector<double>> Hdf5File::ReadList(const std::string& path, std::int64_t most) const
+{
+  const auto list = this->OpenArray(path, 0);
+  ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
+  const StoredArray::Numbers shape = (*list)->GetShape();
+  if (shape.size() != 1 || shape[0] < 1 || shape[0] > most)
+  {
+    return this->MakeError(
+      StatusCode::Corrupt, path, "it is no list of 1 to " + std::to_string(most) + " numbers");
+  }
+  return DispatchValueType((*list)->GetType(),
+    [&](auto zero) -> Result<std::vector<double>>
+    {
+      std::vector<decltype(zero)> stored(static_cast<std::size_t>(shape[0]));
+      ISOSURFACE_RETURN_IF_ERROR(
+        (*list)->Read({ 0 }, shape, reinterpret_cast<std::uint8_t*>(stored.data())));
+      std::vector<double> numbers(stored.size());
+      std::transform(stored.begin(), stored.end(), numbers.begin(),
+        [](auto number) { return static_cast<double>(number); });
+      return numbers;
+    });
+}
+
+std::vector<std::string> Hdf5File::FindScales(const std::string& path) const
+{
+  const Hdf5Scope scope;
+  const Hdf5Handle attribute(::H5Aopen_by_name(this->File->Get(), path.c_str(), "DIMENSION_LIST",
+                               H5P_DEFAULT, this->Links->GetAccess()),
+    ::H5Aclose);
+  const Hdf5Handle type(attribute.IsOpen() ? ::H5Aget_type(attribute.Get()) : -1, ::H5Tclose);
+  const Hdf5Handle space(attribute.IsOpen() ? ::H5Aget_space(attribute.Get()) : -1, ::H5Sclose);
+  const Hdf5Handle base(type.IsOpen() ? ::H5Tget_super(type.Get()) : -1, ::H5Tclose);
+  const hssize_t count = space.IsOpen() ? ::H5Sget_simple_extent_npoints(space.Get()) : 0;
+  if (count < 1 || count > H5S_MAX_RANK || ::H5Tget_class(type.Get()) != H5T_VLEN ||
+    !base.IsOpen() || ::H5Tequal(base.Get(), H5T_STD_REF_OBJ) <= 0)
+  {
+    return {};
+  }
+  std::vector<hvl_t> lists(static_cast<std::size_t>(count));
+  if (::H5Aread(attribute.Get(), type.Get(), lists.data()) < 0)
+  {
+    return {};
+  }
+  std::vector<std::string> paths;
+  for (const hvl_t& list : lists)
+  {
+    char name[1024] = {};
+    const ssize_t size = list.len > 0 && list.p
+      ? ::H5Rget_name(attribute.Get(), H5R_OBJECT, list.p, name, sizeof(name))
+      : 0;
+    paths.push_back(size > 0 && static_cast<std::size_t>(size) < sizeof(name) ? name : "");
+  }
+  ::H5Dvlen_reclaim(type.Get(), space.Get(), H5P_DEFAULT, lists.data());
+  return paths;
+}
+
+std::string Hdf5File::FindNumberNames(const std::string& path) const
+{
+  const Hdf5Scope scope;
+  const Hdf5Handle dataset = this->Links->OpenDataset(this->File->Get(), path);
+  const Hdf5Handle type(dataset.IsOpen() ? ::H5Dget_type(dataset.Get()) : -1, ::H5Tclose);
+  return type.IsOpen() ? DescribeHdf5Names(type.Get()) : "";
 }
 
 std::vector<std::string> Hdf5File::FindAttributes(const std::string& object) const

@@ -36,6 +36,7 @@ class Hdf5File
 {
 public:
   static Result<Hdf5File> Open(const std::string& path);
+  const std::string& GetPath() const { return this->Path; }
 
   /// The datasets that the groups hold, by name. Links to other files are not followed. Groups that
   /// are deeper than 32 in one another are left out, and what is behind the first 10,000 objects.
@@ -46,12 +47,21 @@ public:
   bool Has(const std::string& path) const;
   bool IsDataset(const std::string& path) const;
 
-  /// The attribute's text; nothing if there is none, or if it is no text.
+  /// The attribute's texts; none if there is none, or if it has other values. At most 4096.
+  std::vector<std::string> ReadTexts(const std::string& object, const std::string& name) const;
+  /// The attribute's text, perhaps of one letter each (Imaris); nothing if it is none.
   std::optional<std::string> ReadText(const std::string& object, const std::string& name) const;
   /// The attribute's numbers; nothing if there is none, or if it has another count.
   std::optional<std::vector<double>> ReadNumbers(
     const std::string& object, const std::string& name, std::size_t count) const;
+  /// The numbers of a dataset of one axis, at most `most`. Errors: those of OpenArray(), Corrupt.
+  Result<std::vector<double>> ReadList(const std::string& path, std::int64_t most) const;
   std::vector<std::string> FindAttributes(const std::string& object) const;
+  /// The paths of the datasets that give the coordinates of each axis of a dataset (dimension scales);
+  /// empty where an axis has none.
+  std::vector<std::string> FindScales(const std::string& path) const;
+  /// What the numbers of a dataset stand for: DescribeHdf5Names().
+  std::string FindNumberNames(const std::string& path) const;
   /// The names in a group, sorted.
   std::vector<std::string> FindNames(const std::string& group) const;
 
@@ -62,7 +72,14 @@ public:
    * does not decode those again that it shares with the last one.
    */
   Result<std::shared_ptr<StoredArray>> OpenArray(
-    const std::string& path, std::uint64_t cacheBytes) const;
+    const std::string& path, std::uint64_t cacheBytes) const
+  {
+    return this->OpenArray(path, cacheBytes, {}, false);
+  }
+  /// The first samples on each axis alone, `shape` of them, if it is not empty. `isUnsigned`: samples
+  /// of int16 are those of uint16.
+  Result<std::shared_ptr<StoredArray>> OpenArray(const std::string& path, std::uint64_t cacheBytes,
+    const StoredArray::Numbers& shape, bool isUnsigned) const;
   /// The file, and the others that have samples of the arrays that were opened.
   std::vector<std::string> FindFiles() const;
 

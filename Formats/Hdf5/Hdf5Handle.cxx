@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Hdf5/Hdf5Handle.h"
 
+#include "Formats/Source/TextFields.h"
+
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -15,6 +19,51 @@ std::recursive_mutex& GetLibraryMutex()
 {
   static std::recursive_mutex mutex;
   return mutex;
+}
+
+/// A name of an enumeration.
+std::string FindMemberName(hid_t type, unsigned number)
+{
+  char* const found = ::H5Tget_member_name(type, number);
+  const std::string name = found ? found : "";
+  ::H5free_memory(found);
+  return name;
+}
+
+/// The number that a name of an enumeration stands for.
+long long FindMemberNumber(hid_t type, unsigned number)
+{
+  const Hdf5Handle base(::H5Tget_super(type), ::H5Tclose);
+  constexpr std::size_t largest = 16; // of integers of the library
+  std::uint8_t bytes[largest] = {};
+  long long value = 0;
+  if (!base.IsOpen() || ::H5Tget_size(base.Get()) > largest ||
+    ::H5Tget_member_value(type, number, bytes) < 0 ||
+    ::H5Tconvert(base.Get(), H5T_NATIVE_LLONG, 1, bytes, nullptr, H5P_DEFAULT) < 0)
+  {
+    return -1;
+  }
+  std::memcpy(&value, bytes, sizeof(value));
+  return value;
+}
+
+/// The booleans of h5py, PyTables and others: an enumeration of FALSE and TRUE.
+bool IsBool(hid_t type)
+{
+  if (::H5Tget_class(type) != H5T_ENUM || ::H5Tget_nmembers(type) != 2)
+  {
+    return false;
+  }
+  for (unsigned number = 0; number < 2; ++number)
+  {
+    const long long value = FindMemberNumber(type, number);
+    if ((value != 0 && value != 1) ||
+      LowerText(FindMemberName(type, number)) != (value == 0 ? "false" : "true"))
+    {
+      return false;
+    }
+  }
+  return true;
 }
 
 /// Damaged files leave memory in the library that it cannot free. When the process ends, it would say
@@ -64,6 +113,11 @@ std::optional<ValueType> FindHdf5ValueType(hid_t type)
 {
   const std::size_t size = ::H5Tget_size(type);
   const H5T_class_t kind = ::H5Tget_class(type);
+  if (kind == H5T_ENUM)
+  {
+    const Hdf5Handle base(::H5Tget_super(type), ::H5Tclose);
+    return IsBool(type) ? ValueType::UInt8 : FindHdf5ValueType(base.Get());
+  }
   if (kind == H5T_INTEGER)
   {
     return FindIntegerType(size, ::H5Tget_sign(type) == H5T_SGN_2);
@@ -89,7 +143,7 @@ std::string DescribeHdf5Type(hid_t type)
     case H5T_COMPOUND:
       return "compound";
     case H5T_ENUM:
-      return "enumeration";
+      return IsBool(type) ? "bool" : "enumeration of " + bits + " bits";
     case H5T_REFERENCE:
       return "reference";
     case H5T_VLEN:
@@ -99,6 +153,24 @@ std::string DescribeHdf5Type(hid_t type)
     default:
       return "opaque";
   }
+}
+
+std::string DescribeHdf5Names(hid_t type)
+{
+  if (::H5Tget_class(type) != H5T_ENUM || IsBool(type))
+  {
+    return "";
+  }
+  constexpr int most = 16;
+  const int count = ::H5Tget_nmembers(type);
+  std::string text;
+  for (int number = 0; number < std::min(count, most); ++number)
+  {
+    const auto member = static_cast<unsigned>(number);
+    text += (number == 0 ? "" : ", ") + std::to_string(FindMemberNumber(type, member)) + " " +
+      FindMemberName(type, member);
+  }
+  return text + (count > most ? ", ..." : "");
 }
 
 StoredArray::Numbers FindHdf5Shape(const Hdf5Handle& dataset)

@@ -79,10 +79,13 @@ private:
 
 /// The innermost reason of the library's last error.
 std::string FindHdf5Reason();
-/// The value type of the samples of an HDF5 type; nothing if there is none.
+/// The value type of the samples of an HDF5 type; nothing if there is none. Of an enumeration: that of
+/// its numbers, uint8 of FALSE and TRUE.
 std::optional<ValueType> FindHdf5ValueType(hid_t type);
-/// "uint16", "string", ...
+/// "uint16", "bool", "string", ...
 std::string DescribeHdf5Type(hid_t type);
+/// "0 air, 1 bone": the first names of an enumeration; empty if it is none, or FALSE and TRUE.
+std::string DescribeHdf5Names(hid_t type);
 StoredArray::Numbers FindHdf5Shape(const Hdf5Handle& dataset);
 /// Samples of a chunk on each axis; empty if the dataset has no chunks.
 StoredArray::Numbers FindHdf5Chunk(const Hdf5Handle& plist, std::size_t rank);

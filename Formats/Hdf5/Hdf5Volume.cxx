@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Hdf5/Hdf5Volume.h"
 
+#include "Formats/Hdf5/Hdf5Description.h"
 #include "Formats/Hdf5/Hdf5File.h"
+#include "Formats/Hdf5/ImarisReader.h"
 #include "Formats/Source/ArraySource.h"
 
 #include <algorithm>
@@ -41,7 +43,8 @@ Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file
     std::vector<std::string> fitting;
     for (const Hdf5Dataset& dataset : *datasets)
     {
-      if (dataset.IsNumeric && dataset.Shape.size() == rank)
+      const bool hasComponent = dataset.Shape.size() > 3 && dataset.Shape.back() == 1;
+      if (dataset.IsNumeric && dataset.Shape.size() == rank + (hasComponent ? 1 : 0))
       {
         fitting.push_back(dataset.Path);
         known += (known.empty() ? "" : ", ") + dataset.Path + " (" + JoinNumbers(dataset.Shape) +
@@ -67,12 +70,40 @@ Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file
                      : "name one of its datasets, as in " + name.Path + ":/path: " + known));
 }
 
+/// Tells the attributes of a dataset that nothing here is read from, and the unit.
+void NoteAttributes(const Hdf5File& file, const std::string& path, Hdf5Description& description)
+{
+  const std::string used = " DIMENSION_LABELS DIMENSION_LIST axistags element_size_um MATLAB_class "
+                           "ComponentDimensions TupleDimensions units ";
+  std::string unused;
+  for (const std::string& attribute : file.FindAttributes(path))
+  {
+    if (used.find(" " + attribute + " ") == std::string::npos)
+    {
+      unused += (unused.empty() ? "attributes that are not used: " : ", ") + attribute;
+    }
+  }
+  if (!description.Unit.empty())
+  {
+    description.AddNote("the unit of lengths, " + description.Unit + ", is not kept");
+  }
+  if (!unused.empty())
+  {
+    description.AddNote(unused);
+  }
+}
+
 Result<OpenedVolume> OpenDataset(
   const VolumeName& name, const Hdf5File& file, const std::string& path, const VolumeChoice& choice)
 {
-  auto array = file.OpenArray(path, choice.CacheBytes);
+  const auto whole = file.OpenArray(path, 0);
+  ISOSURFACE_RETURN_IF_ERROR(whole.GetStatus());
+  Hdf5Description description =
+    Hdf5Description::Read(file, path, (*whole)->GetShape(), choice.Axes);
+  auto array = file.OpenArray(path, choice.CacheBytes, description.Shape, description.IsUnsigned);
   ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
-  const auto axes = ArrayAxes::Parse(choice.Axes, (*array)->GetShape().size());
+  const auto axes =
+    ArrayAxes::Parse(choice.Axes.empty() ? description.Letters : choice.Axes, (*array)->GetShape());
   if (!axes.IsOk())
   {
     return AddObject(name, path, axes.GetStatus());
@@ -80,13 +111,16 @@ Result<OpenedVolume> OpenDataset(
   auto parts = MakeParts(GetLastPart(path), std::move(*array), *axes, choice.Step);
   ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
   OpenedVolume volume;
+  volume.Grid = description.Place;
   volume.Grid.Extent = {};
-  for (const std::string& attribute : file.FindAttributes(path))
-  {
-    volume.LeftOut +=
-      (volume.LeftOut.empty() ? "attributes that are not used: " : ", ") + attribute;
-  }
+  volume.Times = std::move(description.Times);
+  NoteAttributes(file, path, description);
+  volume.LeftOut = description.Notes;
   ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), choice.Arrays, volume));
+  for (ArrayDescription& taken : volume.Arrays)
+  {
+    taken.Unit = description.SampleUnit;
+  }
   return volume;
 }
 
@@ -160,31 +194,6 @@ private:
     return Status::Ok();
   }
 
-  /// A dataset with a number for each time step.
-  Result<std::vector<double>> ReadSteps(const std::string& path) const
-  {
-    const auto list = this->File.OpenArray(path, 0);
-    ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
-    const StoredArray::Numbers shape = (*list)->GetShape();
-    if (shape.size() != 1 || shape[0] < 1 || shape[0] > MaximumTimeSteps)
-    {
-      return AddObject(this->Name, path,
-        Status(StatusCode::Corrupt,
-          "it is no list of 1 to " + std::to_string(MaximumTimeSteps) + " time steps"));
-    }
-    return DispatchValueType((*list)->GetType(),
-      [&](auto zero) -> Result<std::vector<double>>
-      {
-        std::vector<decltype(zero)> numbers(static_cast<std::size_t>(shape[0]));
-        ISOSURFACE_RETURN_IF_ERROR(
-          (*list)->Read({ 0 }, shape, reinterpret_cast<std::uint8_t*>(numbers.data())));
-        std::vector<double> steps(numbers.size());
-        std::transform(numbers.begin(), numbers.end(), steps.begin(),
-          [](auto number) { return static_cast<double>(number); });
-        return steps;
-      });
-  }
-
   /// The times of the group Steps, which temporal data have.
   Status TakeTimes()
   {
@@ -193,7 +202,7 @@ private:
     {
       return Status::Ok();
     }
-    auto values = this->ReadSteps(path);
+    auto values = this->File.ReadList(path, MaximumTimeSteps);
     ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
     this->Volume.Times = std::move(*values);
     return Status::Ok();
@@ -222,7 +231,7 @@ private:
               " has " + std::to_string(count) + ", and no Steps/PointDataOffsets/" + array +
               " tells which is which");
     }
-    const auto offsets = this->ReadSteps(path);
+    const auto offsets = this->File.ReadList(path, MaximumTimeSteps);
     ISOSURFACE_RETURN_IF_ERROR(offsets.GetStatus());
     const double offset = offsets->size() == steps ? (*offsets)[step] : -1;
     if (!(offset >= 0 && offset < static_cast<double>(count) && std::trunc(offset) == offset))
@@ -311,6 +320,13 @@ Result<OpenedVolume> OpenHdf5Volume(
   if (file->Has(group) && !file->IsDataset(group) && file->ReadText(group, "Type"))
   {
     return AddFiles(VtkHdfReader(name, *file, group).Open(choice), *file);
+  }
+  if (path.empty() && IsImaris(*file))
+  {
+    return choice.Axes.empty() || choice.IsRecorded
+      ? AddFiles(OpenImaris(*file, choice), *file)
+      : Status(StatusCode::InvalidArgument,
+          name.GetText() + ": cannot be read: the axes of Imaris are given");
   }
   if (path.empty())
   {

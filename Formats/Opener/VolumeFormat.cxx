@@ -22,6 +22,7 @@ using Names = std::vector<std::string>;
 using Mark = VolumeFormat::Mark;
 
 constexpr std::string_view RawName = "raw";
+constexpr std::string_view Hdf5Mark = "\x89HDF\r\n\x1a\n";
 constexpr Mark DicomMark = { "DICM", 128 };
 
 /// The first bytes of a file; fewer, or none, if it does not have them.
@@ -41,6 +42,22 @@ bool HasMark(const std::string& start, const Mark& mark)
 {
   return start.size() >= mark.Offset + mark.Text.size() &&
     start.compare(mark.Offset, mark.Text.size(), mark.Text) == 0;
+}
+
+/// Whether HDF5 begins behind bytes of another program, as in MATLAB's files: at 512, 1024, 2048, ...
+bool HasHdf5Behind(FileSystem& files, const std::string& path)
+{
+  const auto file = files.OpenForReading(path);
+  const std::uint64_t size = file.IsOk() ? (*file)->GetSize() : 0;
+  std::string start(Hdf5Mark.size(), '\0');
+  for (std::uint64_t at = 512; at < size && size - at >= start.size(); at *= 2)
+  {
+    if (!(*file)->Read(at, start.size(), start.data()).IsOk() || start == Hdf5Mark)
+    {
+      return start == Hdf5Mark;
+    }
+  }
+  return false;
 }
 
 bool IsZarr(FileSystem& files, const std::string& path, const Names& /*names*/)
@@ -74,13 +91,13 @@ const std::vector<VolumeFormat>& GetFormats()
     { "NIfTI", { ".nii", ".nii.gz" }, {}, nullptr, { OpenNiftiVolume } },
     { "MRC", { ".mrc", ".mrc.gz", ".map", ".map.gz", ".ccp4", ".rec", ".ali", ".st", ".mrcs" },
       { { "MAP", 208 } }, nullptr, { OpenMrcVolume } },
-    { "HDF5", { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims" },
-      { { "\x89HDF\r\n\x1a\n" } }, nullptr, {}, "Hdf5Format", true },
+    { "HDF5", { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims", ".dream3d", ".mat" },
+      { { Hdf5Mark } }, nullptr, {}, "Hdf5Format", true },
     { "NetCDF", { ".nc", ".nc4", ".cdf" }, { { "CDF\1" }, { "CDF\2" }, { "CDF\5" } }, nullptr, {},
       "NetcdfFormat", true },
     { "Zarr", {}, {}, IsZarr, { OpenZarrVolume, ListZarr }, nullptr, true },
     { "DICOM", { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat" },
-    { "TIFF", { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat" },
+    { "TIFF", { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat", true },
     { RawName, { ".raw", ".raw.gz" }, {}, nullptr, RawSamplesFormat },
   };
   return formats;
@@ -134,9 +151,11 @@ const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
       return std::any_of(format.Marks.begin(), format.Marks.end(),
         [&start](const Mark& mark) { return HasMark(start, mark); });
     });
-  return marked || !IsRawDescription(name.Within)
-    ? marked
-    : FindFormat([](const VolumeFormat& format) { return format.Name == RawName; });
+  const std::string_view other = IsRawDescription(name.Within) ? RawName
+    : !marked && HasHdf5Behind(files, name.Path)               ? "HDF5"
+                                                               : "";
+  return marked ? marked
+                : FindFormat([other](const VolumeFormat& format) { return format.Name == other; });
 }
 
 } // namespace isosurface

@@ -14,6 +14,13 @@ std::string JoinNumbers(const StoredArray::Numbers& numbers)
   return text;
 }
 
+Result<ArrayAxes> ArrayAxes::Parse(const std::string& letters, const StoredArray::Numbers& shape)
+{
+  const std::size_t rank = shape.size();
+  const bool hasComponent = letters.empty() && (rank == 4 || rank == 5) && shape.back() == 1;
+  return Parse(!hasComponent ? letters : rank == 4 ? "zyxc" : "tzyxc", rank);
+}
+
 Result<ArrayAxes> ArrayAxes::Parse(const std::string& letters, std::size_t rank)
 {
   const std::string text = !letters.empty() ? letters

@@ -57,6 +57,9 @@ struct ArrayAxes
   /// From a letter an axis, the slowest first: x, y and z, and perhaps t and c, each once. An empty
   /// text stands for "zyx", "tzyx" or "tczyx", as `rank` wants. Error: a sentence without a file.
   static Result<ArrayAxes> Parse(const std::string& letters, std::size_t rank);
+  /// Of an array of that shape. Without letters, a last axis of one sample behind three or four others
+  /// is that of a component: "zyxc" or "tzyxc".
+  static Result<ArrayAxes> Parse(const std::string& letters, const StoredArray::Numbers& shape);
 };
 
 } // namespace isosurface

@@ -2,32 +2,38 @@
 #ifndef isosurface_TiffDescription_h
 #define isosurface_TiffDescription_h
 
+#include "Formats/Tiff/TiffFile.h"
+#include "Formats/Tiff/TiffImage.h"
+
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
 
-/// What the description of a file's first page (tag ImageDescription) tells of its images: ImageJ's
-/// lines, or the first image of OME-XML. Everything is 1 in other texts.
-struct TiffDescription
+/// What the descriptions of pages (tag ImageDescription) tell: the lines of ImageJ, or the JSON of
+/// tifffile ({"shape": [2, 6, 32, 40], "axes": "CZYX"}).
+namespace TiffDescription
 {
-  /// Whether ImageJ wrote it, whose single directory may stand for all images.
-  bool IsOfImageJ = false;
-  std::int64_t Images = 1; ///< as ImageJ says
-  std::int64_t Channels = 1;
-  std::int64_t Slices = 1;
-  std::int64_t Frames = 1;
 
-  static TiffDescription Parse(const std::string& text);
+/// The properties of ImageJ's text; nothing if it is another one.
+std::optional<std::map<std::string, std::string>> FindImageJ(const std::string& text);
+/// How many images a single directory of ImageJ or tifffile stands for; 1 if it stands for itself.
+/// `format` is that of the directory.
+std::int64_t CountImages(const std::string& text, const TiffFormat& format);
 
-  /**
-   * Why so many pages are no stack of slices; empty if they are one. Pages that differ in a single thing
-   * are one whatever that is called: tifffile says channels of any array of three axes. So are as many
-   * as a stack has slices: a file of a set may have one channel of it.
-   */
-  std::string FindFault(std::int64_t pages) const;
-};
+/// The image of ImageJ's text, whose pages are in the order of channels, slices, frames. Error: a
+/// sentence without a file.
+Result<TiffImage> MakeImageJ(
+  const std::map<std::string, std::string>& text, const TiffContents& contents, std::int64_t pages);
+/// The images of tifffile, each of which begins at a page with JSON. `axes` say what the axes of
+/// pages are, if not empty. Error: a sentence without a file.
+Result<std::vector<TiffImage>> MakeShaped(const TiffContents& contents, const std::string& axes);
+
+} // namespace TiffDescription
 
 } // namespace isosurface
 

@@ -31,6 +31,50 @@ constexpr std::uint64_t MaximumPageBytes = std::uint64_t{ 1 } << 60;
 /// The tag with which GDAL says what samples are that do not exist: a number as text.
 constexpr std::uint32_t NoDataTag = 42113;
 
+constexpr std::size_t MaximumFormats = 1000;                       ///< of the pages of a file
+constexpr std::size_t MaximumJson = 65536;                         ///< of a description of tifffile
+constexpr std::size_t MaximumShapeBytes = std::size_t{ 64 } << 20; ///< of all of them
+
+/// A tag that libtiff does not know.
+struct TagOfProgram
+{
+  std::uint32_t Tag;
+  const char* Name;
+};
+// Of programs that say in words of their own what the pages of a file are.
+constexpr TagOfProgram TagsOfPages[] = { { 33629, "MetaMorph" }, { 34361, "FluoView" },
+  { 34412, "Zeiss LSM" }, { 43314, "NIH Image" }, { 51123, "Micro-Manager" } };
+// Of what places or changes the samples.
+constexpr TagOfProgram TagsOfPlaces[] = { { 33550, "GeoTIFF's ModelPixelScale" },
+  { 33922, "GeoTIFF's ModelTiepoint" }, { 34264, "GeoTIFF's ModelTransformation" },
+  { 42112, "GDAL's metadata (perhaps a scale and an offset of samples)" },
+  { 33445, "Molecular Dynamics' coding of samples" } };
+
+/// What colours samples are of; null if they are grey.
+const char* FindColors(std::uint16_t photometric)
+{
+  switch (photometric)
+  {
+    case PHOTOMETRIC_MINISBLACK:
+    case PHOTOMETRIC_MINISWHITE:
+      return nullptr;
+    case PHOTOMETRIC_RGB:
+      return "RGB";
+    case PHOTOMETRIC_PALETTE:
+      return "a palette";
+    case PHOTOMETRIC_MASK:
+      return "a transparency mask";
+    case PHOTOMETRIC_SEPARATED:
+      return "CMYK";
+    case PHOTOMETRIC_YCBCR:
+      return "YCbCr";
+    case PHOTOMETRIC_CFA:
+      return "a colour filter array";
+    default:
+      return "another PhotometricInterpretation than 0 and 1";
+  }
+}
+
 /// A way to compress that libtiff may know.
 struct Compression
 {
@@ -139,6 +183,7 @@ void SwapSamples(std::uint8_t* samples, std::size_t bytes, std::size_t valueSize
 
 TiffFile::TiffFile(std::unique_ptr<TiffHandle> handle)
   : Tiff(std::move(handle))
+  , IsOfImageJ(this->FindDescription().rfind("ImageJ=", 0) == 0)
 {
 }
 
@@ -174,11 +219,14 @@ Result<TiffFormat> TiffFile::ReadFormat()
   {
     return this->MakeError(StatusCode::Corrupt, "its width or height is impossible");
   }
-  if (tiff.Get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1) != 1)
+  const auto samples = tiff.Get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1);
+  const auto photometric = tiff.Get<std::uint16_t>(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  if (const char* const colors = FindColors(photometric);
+      colors && !(photometric == PHOTOMETRIC_PALETTE && this->IsOfImageJ))
   {
     return this->MakeError(StatusCode::Unsupported,
-      "it has " + std::to_string(tiff.Get<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1)) +
-        " samples a pixel; only one is supported");
+      "it has " + std::to_string(samples) + " samples a pixel, which are colours (" + colors +
+        "); only grey ones are supported");
   }
   if (tiff.Get<std::uint32_t>(TIFFTAG_IMAGEDEPTH, 1) > 1 ||
     tiff.Get<std::uint32_t>(TIFFTAG_TILEDEPTH, 1) > 1)
@@ -199,11 +247,15 @@ Result<TiffFormat> TiffFile::ReadFormat()
   {
     return this->MakeError(StatusCode::Unsupported, *fault);
   }
-  if (std::uint64_t{ width } * height > MaximumPageBytes / GetValueSize(*type))
+  const bool isSeparate =
+    tiff.Get<std::uint16_t>(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) == PLANARCONFIG_SEPARATE;
+  TiffFormat found = { static_cast<std::int64_t>(width), static_cast<std::int64_t>(height), *type,
+    isSeparate ? 1 : samples, isSeparate ? samples : 1 };
+  if (samples == 0 || std::uint64_t{ width } * height > MaximumPageBytes / found.GetPixelBytes())
   {
     return this->MakeError(StatusCode::Corrupt, "its width or height is impossible");
   }
-  return TiffFormat{ static_cast<std::int64_t>(width), static_cast<std::int64_t>(height), *type };
+  return found;
 }
 
 std::array<std::int64_t, 2> TiffFile::FindUnit() const
@@ -226,7 +278,7 @@ Result<std::uint64_t> TiffFile::FindScratchBytes(const TiffFormat& format) const
   ::TIFF* tiff = this->Tiff->Tiff;
   const tmsize_t scratch = ::TIFFIsTiled(tiff) != 0 ? ::TIFFTileSize(tiff) : ::TIFFStripSize(tiff);
   const std::uint64_t pageBytes = static_cast<std::uint64_t>(format.Width) *
-    static_cast<std::uint64_t>(format.Height) * GetValueSize(format.Type);
+    static_cast<std::uint64_t>(format.Height) * format.GetPixelBytes();
   if (scratch <= 0 ||
     static_cast<std::uint64_t>(scratch) > 4 * pageBytes + TiffHandle::MaximumTableSize)
   {
@@ -242,7 +294,7 @@ bool TiffFile::IsOfAnotherPage() const
   return (type & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0;
 }
 
-void TiffFile::AddLevels(bool isFirst)
+void TiffFile::AddLevels(TiffPage& page, bool isFirst)
 {
   std::uint16_t count = 0;
   const std::uint64_t* directories = nullptr;
@@ -259,6 +311,7 @@ void TiffFile::AddLevels(bool isFirst)
     this->Levels = 0;
     this->SmallerPages.clear();
   }
+  page.FirstLevel = static_cast<std::uint32_t>(this->SmallerPages.size());
   this->SmallerPages.insert(this->SmallerPages.end(), directories, directories + this->Levels);
 }
 
@@ -278,69 +331,81 @@ Status TiffFile::TakeFormat(const TiffPage& first)
   return Status::Ok();
 }
 
-Result<std::vector<TiffPage>> TiffFile::FindPages()
+Result<TiffContents> TiffFile::FindPages()
 {
   ::TIFF* tiff = this->Tiff->Tiff;
-  std::vector<TiffPage> pages;
-  std::string text; // of the first page
+  TiffContents contents;
   int lastNumber = -1;
+  std::size_t shapeBytes = 0;
   do
   {
-    auto format = this->ReadFormat();
-    if (!pages.empty() && this->IsOfAnotherPage() && !(format.IsOk() && *format == this->Format))
-    {
-      continue;
-    }
-    ISOSURFACE_RETURN_IF_ERROR(format.GetStatus());
-    if (!pages.empty() && !(*format == this->Format))
-    {
-      return this->MakeError(
-        StatusCode::Unsupported, "its size or type differs from that of the pages before");
-    }
-    this->Format = *format;
-    this->Unit = pages.empty() ? this->FindUnit() : this->Unit;
-    if (pages.size() == MaximumPages)
+    const bool isFirst = contents.Pages.empty();
+    if (contents.Pages.size() == MaximumPages)
     {
       return this->MakeError(StatusCode::Unsupported,
         "at most " + std::to_string(MaximumPages) + " pages are supported");
     }
+    TiffPage page;
+    page.Directory = ::TIFFCurrentDirOffset(tiff);
+    page.IsOfAnother = !isFirst && this->IsOfAnotherPage();
+    const auto format = this->ReadFormat();
+    if (isFirst)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(format.GetStatus());
+      this->TakeTags(contents);
+    }
+    if (format.IsOk())
+    {
+      const auto scratch = this->FindScratchBytes(*format);
+      ISOSURFACE_RETURN_IF_ERROR(scratch.GetStatus());
+      this->ScratchBytes = std::max(this->ScratchBytes, *scratch);
+      auto known = std::find(contents.Formats.begin(), contents.Formats.end(), *format);
+      if (known == contents.Formats.end() && contents.Formats.size() < MaximumFormats)
+      {
+        known = contents.Formats.insert(known, *format);
+      }
+      page.Format =
+        known == contents.Formats.end() ? -1 : static_cast<int>(known - contents.Formats.begin());
+    }
     std::uint16_t number = 0;
     std::uint16_t count = 0;
-    if (::TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &number, &count) == 1)
+    if (!page.IsOfAnother && ::TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &number, &count) == 1)
     {
-      if (number < lastNumber)
+      if (number < lastNumber && contents.PageNumbers.IsOk())
       {
-        return this->MakeError(StatusCode::Unsupported,
+        contents.PageNumbers = this->MakeError(StatusCode::Unsupported,
           "its page number is " + std::to_string(number) + ", that of the page before is " +
             std::to_string(lastNumber));
       }
       lastNumber = number;
     }
-    const auto scratch = this->FindScratchBytes(*format);
-    ISOSURFACE_RETURN_IF_ERROR(scratch.GetStatus());
-    this->ScratchBytes = std::max(this->ScratchBytes, *scratch);
-    this->AddLevels(pages.empty());
-    if (pages.empty())
+    if (!page.IsOfAnother)
     {
-      text = this->FindDescription();
+      this->AddLevels(page, isFirst);
     }
-    pages.push_back({ ::TIFFCurrentDirOffset(tiff), 0 });
+    const std::string text = this->FindDescription();
+    if (!text.empty() && text.front() == '{' && text.size() <= MaximumJson &&
+      text.find("\"shape\"") != std::string::npos)
+    {
+      contents.Shapes.emplace_back(static_cast<std::int64_t>(contents.Pages.size()), text);
+      shapeBytes += text.size();
+    }
+    if (shapeBytes > MaximumShapeBytes)
+    {
+      return this->MakeError(StatusCode::Unsupported, "its descriptions are too long");
+    }
+    contents.Pages.push_back(page);
   } while (::TIFFReadDirectory(tiff) == 1);
   // The last directory ends the loop without an error; so does one that cannot be read, with one.
   if (!this->Tiff->Failure.IsOk() || !this->Tiff->Reason.empty())
   {
     return this->MakeError(StatusCode::Corrupt, "the directory of the next page cannot be read");
   }
-  const std::string fault =
-    TiffDescription::Parse(text).FindFault(static_cast<std::int64_t>(pages.size()));
-  if (pages.size() > 1 && !fault.empty())
+  if (contents.Pages.size() == 1)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->SelectPage(pages[0]));
-    return this->MakeError(StatusCode::Unsupported, fault);
+    ISOSURFACE_RETURN_IF_ERROR(this->Expand(contents));
   }
-  auto expanded = pages.size() == 1 ? this->ExpandImageJ(pages[0]) : pages;
-  this->Levels = expanded.IsOk() && expanded->size() == pages.size() ? this->Levels : 0;
-  return expanded;
+  return contents;
 }
 
 std::string TiffFile::FindDescription() const
@@ -351,42 +416,95 @@ std::string TiffFile::FindDescription() const
   return hasText ? found : "";
 }
 
-Result<std::vector<TiffPage>> TiffFile::ExpandImageJ(const TiffPage& first) const
+void TiffFile::TakeTags(TiffContents& contents) const
 {
-  const TiffDescription description = TiffDescription::Parse(this->FindDescription());
-  const std::int64_t images = description.Images;
-  if (!description.IsOfImageJ || images <= 1)
+  const TiffHandle& tiff = *this->Tiff;
+  contents.Description = this->FindDescription();
+  contents.XResolution = tiff.Get<float>(TIFFTAG_XRESOLUTION, 0);
+  contents.YResolution = tiff.Get<float>(TIFFTAG_YRESOLUTION, 0);
+  contents.ResolutionUnit = tiff.Get<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, 1);
+  const auto note = [&contents](const std::string& text)
+  { contents.Notes += (contents.Notes.empty() ? "" : "; ") + text; };
+  if (const auto orientation = tiff.Get<std::uint16_t>(TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+      orientation != ORIENTATION_TOPLEFT)
   {
-    return std::vector<TiffPage>{ first };
+    note("its rows are taken from the first one stored on, to the right: its Orientation (" +
+      std::to_string(orientation) + ") says that they are shown in another way");
   }
-  const std::uint64_t bytes = static_cast<std::uint64_t>(this->Format.Width) *
-    static_cast<std::uint64_t>(this->Format.Height) * GetValueSize(this->Format.Type);
-  if (const std::string fault = description.FindFault(images); !fault.empty())
+  const auto photometric = tiff.Get<std::uint16_t>(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  if (photometric == PHOTOMETRIC_MINISWHITE)
   {
-    return this->MakeError(StatusCode::Unsupported, fault);
+    note("samples are as stored, although 0 is white (PhotometricInterpretation 0)");
   }
+  if (photometric == PHOTOMETRIC_PALETTE)
+  {
+    note("samples are as stored, without the colours of ImageJ's table");
+  }
+  if (const std::string text = this->FindNoData(); !text.empty())
+  {
+    note("missing samples stay the number of GDAL_NODATA, " + text);
+  }
+  for (const TagOfProgram& known : TagsOfPlaces)
+  {
+    if (tiff.FindUnknown(known.Tag).second)
+    {
+      note(std::string(known.Name) + " is not obeyed");
+    }
+  }
+  for (const TagOfProgram& known : TagsOfPages)
+  {
+    contents.Program = tiff.FindUnknown(known.Tag).second ? known.Name : contents.Program;
+  }
+  const char* const software = tiff.Get<const char*>(TIFFTAG_SOFTWARE, "");
+  if (std::string(software).rfind("SI.", 0) == 0 ||
+    contents.Description.find("scanimage.SI.") != std::string::npos ||
+    contents.Description.rfind("state.config", 0) == 0 ||
+    contents.Description.rfind("frameNumbers = ", 0) == 0)
+  {
+    contents.Program = "ScanImage";
+  }
+}
+
+Status TiffFile::Expand(TiffContents& contents)
+{
+  const TiffPage first = contents.Pages.front();
+  const TiffFormat& format = contents.Formats.front();
+  const std::int64_t images = TiffDescription::CountImages(contents.Description, format);
+  if (images <= 1)
+  {
+    return Status::Ok();
+  }
+  const std::uint64_t bytes = static_cast<std::uint64_t>(format.Width) *
+    static_cast<std::uint64_t>(format.Height * format.Planes) * format.GetPixelBytes();
   const std::uint64_t begin = ::TIFFGetStrileOffset(this->Tiff->Tiff, 0);
   const std::uint64_t size = this->Tiff->File->GetSize();
   if (this->Tiff->Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) != COMPRESSION_NONE ||
-    ::TIFFNumberOfStrips(this->Tiff->Tiff) != 1 || begin == 0 || begin > size ||
-    static_cast<std::uint64_t>(images) > (size - begin) / bytes)
+    ::TIFFNumberOfStrips(this->Tiff->Tiff) != 1 || format.Planes > 1 || begin == 0 ||
+    begin > size || static_cast<std::uint64_t>(images) > (size - begin) / bytes)
   {
     return this->MakeError(StatusCode::Corrupt,
-      "truncated: ImageJ's description speaks of " + std::to_string(images) +
+      "truncated: its description speaks of " + std::to_string(images) +
         " images, which are not there");
   }
   if (static_cast<std::uint64_t>(images) > MaximumPages)
   {
     return this->MakeError(StatusCode::Unsupported,
-      "ImageJ wrote " + std::to_string(images) + " images; at most " +
+      "its description speaks of " + std::to_string(images) + " images; at most " +
         std::to_string(MaximumPages) + " pages are supported");
   }
-  std::vector<TiffPage> pages;
-  for (std::uint64_t image = 0; image < static_cast<std::uint64_t>(images); ++image)
+  this->Levels = 0;
+  for (std::uint64_t image = 1; image < static_cast<std::uint64_t>(images); ++image)
   {
-    pages.push_back({ first.Directory, image * bytes });
+    contents.Pages.push_back(first);
+    contents.Pages.back().Shift = image * bytes;
   }
-  return pages;
+  return Status::Ok();
+}
+
+Status TiffFile::MakeErrorOf(const TiffPage& page, StatusCode code, const std::string& reason)
+{
+  ::TIFFSetSubDirectory(this->Tiff->Tiff, page.Directory);
+  return this->MakeError(code, reason);
 }
 
 Status TiffFile::SelectPage(const TiffPage& page)
@@ -415,13 +533,13 @@ Status TiffFile::Read(const TiffPage& page, const TiffRectangle& rectangle, std:
   ::TIFF* tiff = this->Tiff->Tiff;
   if (::TIFFIsTiled(tiff) != 0)
   {
-    return this->ReadTiles(rectangle, to);
+    return this->ReadTiles(page, rectangle, to);
   }
   const auto compression = this->Tiff->Get<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   const auto order = this->Tiff->Get<std::uint16_t>(TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
   return compression == COMPRESSION_NONE && order == FILLORDER_MSB2LSB
     ? this->ReadRows(page, rectangle, to)
-    : this->ReadStrips(rectangle, to);
+    : this->ReadStrips(page, rectangle, to);
 }
 
 /// Rows that stand in the file as they are.
@@ -429,10 +547,11 @@ Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, 
 {
   ::TIFF* tiff = this->Tiff->Tiff;
   const std::uint64_t valueSize = GetValueSize(this->Format.Type);
-  const std::uint64_t rowBytes = static_cast<std::uint64_t>(this->Format.Width) * valueSize;
+  const std::uint64_t pixelBytes = this->Format.GetPixelBytes();
+  const std::uint64_t rowBytes = static_cast<std::uint64_t>(this->Format.Width) * pixelBytes;
   const bool isWhole = rectangle.LowX == 0 && rectangle.HighX == this->Format.Width;
   const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) *
-    static_cast<std::size_t>(valueSize);
+    static_cast<std::size_t>(pixelBytes);
   const std::int64_t rowsPerStrip = std::max<std::int64_t>(1,
     std::min<std::int64_t>(
       this->Tiff->Get<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, 1), this->Format.Height));
@@ -442,7 +561,8 @@ Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, 
     const std::int64_t end = std::min(rectangle.HighY, (number + 1) * rowsPerStrip);
     const std::int64_t rows = isWhole ? end - row : 1;
     const std::size_t size = bytes * static_cast<std::size_t>(rows);
-    const auto strip = this->FindStrile(static_cast<std::uint32_t>(number));
+    const auto strip =
+      this->FindStrile(::TIFFComputeStrip(tiff, static_cast<std::uint32_t>(row), page.Plane));
     ISOSURFACE_RETURN_IF_ERROR(strip.GetStatus());
     const auto skipped = static_cast<std::uint64_t>(row - number * rowsPerStrip);
     if (strip->IsAbsent())
@@ -459,7 +579,7 @@ Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, 
     else
     {
       const std::uint64_t offset = strip->Offset + page.Shift + skipped * rowBytes +
-        static_cast<std::uint64_t>(rectangle.LowX) * valueSize;
+        static_cast<std::uint64_t>(rectangle.LowX) * pixelBytes;
       ISOSURFACE_RETURN_IF_ERROR(this->Tiff->File->Read(offset, size, to));
       if (::TIFFIsByteSwapped(tiff) != 0)
       {
@@ -488,25 +608,16 @@ Result<TiffFile::Strile> TiffFile::FindStrile(std::uint32_t number) const
   return strile;
 }
 
+std::string TiffFile::FindNoData() const
+{
+  const auto [count, found] = this->Tiff->FindUnknown(NoDataTag);
+  const std::string text = found ? std::string(static_cast<const char*>(found), count) : "";
+  return TrimText(text.substr(0, text.find('\0')));
+}
+
 std::array<std::uint8_t, 8> TiffFile::FindFill() const
 {
-  ::TIFF* tiff = this->Tiff->Tiff;
-  std::string text;
-  const ::TIFFField* field = ::TIFFFindField(tiff, NoDataTag, TIFF_ANY);
-  if (field && ::TIFFFieldDataType(field) == TIFF_ASCII)
-  {
-    std::uint32_t count = 0;
-    const char* found = nullptr;
-    // libtiff does not know the tag and counts its letters, unless GDAL is in the process, too.
-    const bool isCounted = ::TIFFFieldPassCount(field) != 0;
-    const int isFound = isCounted ? ::TIFFGetField(tiff, NoDataTag, &count, &found)
-                                  : ::TIFFGetField(tiff, NoDataTag, &found);
-    if (isFound == 1 && found)
-    {
-      text = isCounted ? std::string(found, count) : std::string(found);
-      text = TrimText(text.substr(0, text.find('\0')));
-    }
-  }
+  const std::string text = this->FindNoData();
   std::array<std::uint8_t, 8> fill = {};
   DispatchValueType(this->Format.Type,
     [&](auto type)
@@ -524,12 +635,13 @@ bool TiffFile::HasCodeOf(const Strile& strile) const
   return strile.Offset <= size && strile.Size <= size - strile.Offset;
 }
 
-Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
+Status TiffFile::ReadStrips(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to)
 {
   ::TIFF* tiff = this->Tiff->Tiff;
   const std::size_t valueSize = GetValueSize(this->Format.Type);
-  const std::size_t rowBytes = static_cast<std::size_t>(this->Format.Width) * valueSize;
-  const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) * valueSize;
+  const std::size_t pixelBytes = this->Format.GetPixelBytes();
+  const std::size_t rowBytes = static_cast<std::size_t>(this->Format.Width) * pixelBytes;
+  const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) * pixelBytes;
   const std::int64_t rowsPerStrip = std::max<std::int64_t>(1,
     std::min<std::int64_t>(
       this->Tiff->Get<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, 1), this->Format.Height));
@@ -539,7 +651,8 @@ Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
     const std::int64_t end = std::min(first + rowsPerStrip, this->Format.Height);
     const std::size_t stripBytes = static_cast<std::size_t>(end - first) * rowBytes;
     const bool isWhole = row == first && end <= rectangle.HighY && rowBytes == bytes;
-    const auto number = static_cast<std::uint32_t>(first / rowsPerStrip);
+    const std::uint32_t number =
+      ::TIFFComputeStrip(tiff, static_cast<std::uint32_t>(first), page.Plane);
     const std::int64_t last = std::min(end, rectangle.HighY);
     const auto found = this->FindStrile(number);
     ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
@@ -568,7 +681,7 @@ Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
     {
       std::memcpy(to + static_cast<std::size_t>(copied - row) * bytes,
         strip + static_cast<std::size_t>(copied - first) * rowBytes +
-          static_cast<std::size_t>(rectangle.LowX) * valueSize,
+          static_cast<std::size_t>(rectangle.LowX) * pixelBytes,
         bytes);
     }
     to += static_cast<std::size_t>(last - row) * bytes;
@@ -577,16 +690,17 @@ Status TiffFile::ReadStrips(const TiffRectangle& rectangle, std::uint8_t* to)
   return Status::Ok();
 }
 
-Status TiffFile::ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to)
+Status TiffFile::ReadTiles(const TiffPage& page, const TiffRectangle& rectangle, std::uint8_t* to)
 {
   ::TIFF* tiff = this->Tiff->Tiff;
   const std::size_t valueSize = GetValueSize(this->Format.Type);
-  const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) * valueSize;
+  const std::size_t pixelBytes = this->Format.GetPixelBytes();
+  const auto bytes = static_cast<std::size_t>(rectangle.HighX - rectangle.LowX) * pixelBytes;
   const std::int64_t width = this->Tiff->Get<std::uint32_t>(TIFFTAG_TILEWIDTH, 0);
   const std::int64_t height = this->Tiff->Get<std::uint32_t>(TIFFTAG_TILELENGTH, 0);
   const tmsize_t tileBytes = ::TIFFTileSize(tiff);
   if (width < 1 || height < 1 || tileBytes <= 0 ||
-    static_cast<std::uint64_t>(tileBytes) / valueSize / static_cast<std::uint64_t>(width) !=
+    static_cast<std::uint64_t>(tileBytes) / pixelBytes / static_cast<std::uint64_t>(width) !=
       static_cast<std::uint64_t>(height))
   {
     return this->MakeError(StatusCode::Corrupt, "the size of its tiles is impossible");
@@ -595,8 +709,8 @@ Status TiffFile::ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to)
   {
     for (std::int64_t x = rectangle.LowX / width * width; x < rectangle.HighX; x += width)
     {
-      const std::uint32_t tile =
-        ::TIFFComputeTile(tiff, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, 0);
+      const std::uint32_t tile = ::TIFFComputeTile(
+        tiff, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, page.Plane);
       const auto found = this->FindStrile(tile);
       ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
       const bool hasCode = !found->IsAbsent() && this->HasCodeOf(*found);
@@ -611,19 +725,20 @@ Status TiffFile::ReadTiles(const TiffRectangle& rectangle, std::uint8_t* to)
       const auto fill = found->IsAbsent() ? this->FindFill() : std::array<std::uint8_t, 8>();
       const std::int64_t left = std::max(x, rectangle.LowX);
       const std::int64_t right = std::min(x + width, rectangle.HighX);
-      const std::size_t size = static_cast<std::size_t>(right - left) * valueSize;
+      const std::size_t size = static_cast<std::size_t>(right - left) * pixelBytes;
       for (std::int64_t row = std::max(y, rectangle.LowY);
            row < std::min(y + height, rectangle.HighY); ++row)
       {
         std::uint8_t* const samples = to + static_cast<std::size_t>(row - rectangle.LowY) * bytes +
-          static_cast<std::size_t>(left - rectangle.LowX) * valueSize;
+          static_cast<std::size_t>(left - rectangle.LowX) * pixelBytes;
         if (found->IsAbsent())
         {
           FillSamples(samples, size, fill, valueSize);
           continue;
         }
         std::memcpy(samples,
-          this->Scratch.data() + static_cast<std::size_t>((row - y) * width + left - x) * valueSize,
+          this->Scratch.data() +
+            static_cast<std::size_t>((row - y) * width + left - x) * pixelBytes,
           size);
       }
     }

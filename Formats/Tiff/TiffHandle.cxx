@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdarg>
 #include <cstdio>
+#include <cstring>
 #include <utility>
 
 namespace isosurface
@@ -104,6 +105,35 @@ Result<std::unique_ptr<TiffHandle>> TiffHandle::Open(std::unique_ptr<RandomAcces
       path + ": not a TIFF file" + (handle->Reason.empty() ? "" : ": ") + handle->Reason);
   }
   return handle;
+}
+
+std::pair<std::uint32_t, const void*> TiffHandle::FindUnknown(std::uint32_t tag) const
+{
+  const ::TIFFField* field = ::TIFFFindField(this->Tiff, tag, TIFF_ANY);
+  std::uint32_t count = 0;
+  const void* found = nullptr;
+  if (!field)
+  {
+    return { 0, nullptr };
+  }
+  // libtiff counts the values of tags that it does not know, unless GDAL is in the process, which makes
+  // it know them.
+  if (::TIFFFieldPassCount(field) != 0 && ::TIFFFieldReadCount(field) == TIFF_VARIABLE2)
+  {
+    return ::TIFFGetField(this->Tiff, tag, &count, &found) == 1 ? std::pair(count, found)
+                                                                : std::pair(0U, found);
+  }
+  if (::TIFFFieldPassCount(field) != 0)
+  {
+    std::uint16_t few = 0;
+    return ::TIFFGetField(this->Tiff, tag, &few, &found) == 1
+      ? std::pair(std::uint32_t{ few }, found)
+      : std::pair(0U, found);
+  }
+  const bool isText = ::TIFFFieldDataType(field) == TIFF_ASCII;
+  const bool isThere = isText && ::TIFFGetField(this->Tiff, tag, &found) == 1 && found;
+  return { isThere ? static_cast<std::uint32_t>(std::strlen(static_cast<const char*>(found))) : 0,
+    isThere ? found : nullptr };
 }
 
 TiffHandle::~TiffHandle()

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace isosurface
 {
@@ -34,6 +35,10 @@ struct TiffHandle
     T value = otherwise;
     return ::TIFFGetFieldDefaulted(this->Tiff, tag, &value) == 1 ? value : otherwise;
   }
+
+  /// A field of the current directory that libtiff does not know, and how many values or letters it has;
+  /// null if there is none.
+  std::pair<std::uint32_t, const void*> FindUnknown(std::uint32_t tag) const;
 
   std::unique_ptr<RandomAccessFile> File;
   std::uint64_t Position = 0;

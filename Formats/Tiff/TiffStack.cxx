@@ -2,7 +2,6 @@
 #include "Formats/Tiff/TiffStack.h"
 
 #include "Formats/Source/TextFields.h"
-#include "Formats/Tiff/TiffSource.h"
 
 #include <algorithm>
 #include <cctype>
@@ -153,28 +152,6 @@ Status CheckSteps(const std::vector<std::string>& paths, const std::vector<NameP
   return Status::Ok();
 }
 
-Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
-{
-  const auto paths = FindTiffStack(files, name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(paths.GetStatus());
-  auto source = TiffSource::Open(files, *paths, choice.Vertices);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  OpenedVolume volume;
-  const Index3 size = (*source)->GetBox().GetSize();
-  volume.Grid.Extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
-  volume.Level = (*source)->GetLevel();
-  volume.Grid.Spacing = (*source)->GetSteps();
-  for (std::size_t axis = 0; axis < 2; ++axis)
-  {
-    // A sample of a level is in the middle of those of the page that it stands for.
-    volume.Grid.Origin[axis] = (volume.Grid.Spacing[axis] - 1) / 2;
-  }
-  volume.Arrays = { { "Tiff Scalars", (*source)->GetType(), 1 } };
-  volume.Source = std::move(*source);
-  volume.Files = *paths;
-  return volume;
-}
-
 } // namespace
 
 Result<std::vector<std::string>> FindTiffStack(FileSystem& files, const std::string& path)
@@ -215,7 +192,5 @@ Result<std::vector<std::string>> FindTiffStack(FileSystem& files, const std::str
   ISOSURFACE_RETURN_IF_ERROR(CheckSteps(paths, parts));
   return paths;
 }
-
-const FormatFunctions IsosurfaceTiffFormat = { OpenTiff, nullptr };
 
 } // namespace isosurface

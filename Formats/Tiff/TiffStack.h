@@ -3,7 +3,8 @@
 #define isosurface_TiffStack_h
 
 #include "Formats/Source/FileNames.h"
-#include "Formats/Source/FormatFunctions.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Base/Status.h"
 
 #include <string>
 #include <vector>
@@ -12,15 +13,11 @@ namespace isosurface
 {
 
 /**
- * A volume of TIFF: a file with a slice a page, a folder of files, or a name with * or ?, which stand
- * for characters. The files are sorted by the numbers in their names ("slice9.tif" before
- * "slice10.tif"). If they differ in one number only, it must increase by equal steps: otherwise a
- * slice is missing.
+ * The files of a stack in their order: a file itself, those in a folder, or of a name with * or ?, which
+ * stand for characters. They are sorted by the numbers in their names ("slice9.tif" before
+ * "slice10.tif"). If they differ in one number only, it must increase by equal steps: otherwise a slice
+ * is missing. NotFound if there are none, Corrupt if one is missing.
  */
-extern "C" const FormatFunctions IsosurfaceTiffFormat;
-
-/// The files of a stack in their order, or the file itself. NotFound if there are none, Corrupt if
-/// one is missing.
 Result<std::vector<std::string>> FindTiffStack(FileSystem& files, const std::string& path);
 
 inline bool IsTiffName(const std::string& path)

@@ -137,7 +137,7 @@ private:
       axisLetters =
         axisLetters.find_first_not_of("tczyx") == std::string::npos ? axisLetters : std::string();
     }
-    const auto axes = ArrayAxes::Parse(axisLetters, metadata->Shape.size());
+    const auto axes = ArrayAxes::Parse(axisLetters, metadata->Shape);
     if (!axes.IsOk())
     {
       return this->MakeError(axes.GetStatus().GetCode(), folder, axes.GetStatus().GetMessage());

@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -196,6 +197,209 @@ class VtkHdf(SourceCase):
             group["Steps/Values"] = [0.25, 4.5]
         path = self.write("s.vtkhdf", "o.bvol", "--step", "1")
         self.assert_equal_volumes(path, self.write_raw(steps[1], "density", "--time", "4.5"))
+
+
+class DescribedCase(SourceCase):
+    def assert_volume(self, source, samples, array, *arguments, told=(), **place):
+        """A volume of these samples; standard error has some words."""
+        path = self.path("o.bvol")
+        remove_volume(path)
+        code, _, err = self.run_tool(source, path, "--stores", "3", *arguments)
+        self.assertEqual(code, 0, err)
+        for word in told:
+            self.assertIn(word, err)
+        self.assert_equal_volumes(path, self.write_raw(samples, array, **place))
+
+
+class Descriptions(DescribedCase):
+    """What files say of the axes and the place of a dataset."""
+
+    def test_a_last_axis_of_one_sample_is_a_component(self):
+        samples = make_samples("int32")
+        with h5py.File(self.path("c.h5"), "w") as file:
+            file["data"] = samples[..., None]
+            file["steps/data"] = samples[None, ..., None]
+        self.assert_volume("c.h5:/data", samples, "data")
+        self.write("c.h5:/steps/data", "s.bvol")
+        info = json.loads(self.run_tool("--info", "--json", "s.bvol")[1])
+        self.assertEqual(info["grid"]["dimensions"], list(SHAPE[::-1]))
+
+    def test_bool_is_uint8_and_names_of_numbers_are_told(self):
+        samples = make_samples("uint8")
+        kinds = h5py.enum_dtype({"air": 20, "bone": 60, "metal": -3}, basetype="i2")
+        with h5py.File(self.path("b.h5"), "w") as file:
+            file["mask"] = samples > 50
+            file.create_dataset("packed", data=samples > 50, chunks=(8, 8, 8), compression="gzip")
+            file.create_dataset("kinds", data=samples.astype("i2"), dtype=kinds)
+            self.assertEqual(file["mask"].dtype, bool)
+        for name in ("mask", "packed"):
+            self.assert_volume("b.h5:/" + name, (samples > 50).astype("uint8"), name)
+        self.assert_volume("b.h5:/kinds", samples.astype("int16"), "kinds", told=("20 air", "60 bone", "-3 metal"))
+        self.assertRegex(self.run_tool("--list", "b.h5")[1], "/mask +41 x 37 x 70 +bool")
+
+    def test_files_with_a_userblock_are_found_by_their_signature(self):
+        samples = make_samples("float32")
+        for size in (512, 1024, 8192):
+            with h5py.File(self.path("u.bin"), "w", userblock_size=size) as file:
+                file["V"] = samples
+                file["V"].attrs["MATLAB_class"] = numpy.bytes_("single")
+            with open(self.path("u.bin"), "r+b") as file:
+                file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+            shutil.copy(self.path("u.bin"), self.path("u.mat"))
+            for name in ("u.bin", "u.mat", "u.mat:/V"):
+                self.assert_volume(name, samples, "V", told=("index in MATLAB",))
+        with open(self.path("old.mat"), "wb") as file:
+            file.write(b"MATLAB 5.0 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x01IM" + bytes(500))
+        self.assert_error("old.mat", "old.mat", "MAT-file of version 5", "-v7.3")
+
+    def test_cells_of_dream3d_are_where_their_geometry_says(self):
+        samples = make_samples("int32")
+        middle = {"spacing": (0.25, 0.5, 2), "origin": (10.125, -4.75, 4)}
+        with h5py.File(self.path("d.dream3d"), "w") as file:
+            geometry = file.create_group("DataContainers/Image/_SIMPL_GEOMETRY")
+            geometry["DIMENSIONS"] = numpy.array(SHAPE[::-1], "u8")
+            geometry["SPACING"] = numpy.array([0.25, 0.5, 2], "f4")
+            geometry["ORIGIN"] = numpy.array([10, -5, 3], "f4")
+            file["DataContainers/Image/CellData/FeatureIds"] = samples[..., None]
+            file["DataContainers/Image/CellData/Angles"] = numpy.stack([samples] * 3, axis=3)
+            geometry = file.create_group("DataStructure/Nx")
+            for name, value in (("_DIMENSIONS", SHAPE[::-1]), ("_SPACING", (0.25, 0.5, 2)), ("_ORIGIN", (10, -5, 3))):
+                geometry.attrs[name] = value
+            geometry["Cell Data/FeatureIds"] = samples[..., None]
+        for path in ("DataContainers/Image/CellData", "DataStructure/Nx/Cell Data"):
+            self.assert_volume(f"d.dream3d:/{path}/FeatureIds", samples, "FeatureIds", told=("DREAM.3D",), **middle)
+        self.write("d.dream3d:/DataContainers/Image/CellData/Angles", "o.bvol")
+        self.assertEqual(json.loads(self.run_tool("--info", "--json", "o.bvol")[1])["arrays"][0]["components"], 3)
+
+    def test_axes_have_the_names_coordinates_and_units_of_the_file(self):
+        samples = make_samples("int16")
+        place = {"spacing": (0.5, 0.25, 2), "origin": (1, -1, 10)}
+        lines = {"z": 10 + 2 * numpy.arange(41.0), "y": -1 + 0.25 * numpy.arange(37.0), "x": 1 + 0.5 * numpy.arange(70.0)}
+
+        def write_lines(group, names):
+            for name, letter in names.items():
+                group[name] = lines[letter]
+                group[name].attrs["units"] = "mm"
+        with h5py.File(self.path("a.h5"), "w") as file:
+            data = file.create_dataset("scales/data", data=samples.transpose(2, 1, 0))
+            write_lines(file["scales"], {"x": "x", "y": "y", "z": "z"})
+            for axis, name in enumerate("xyz"):
+                file["scales/" + name].make_scale(name)
+                data.dims[axis].attach_scale(file["scales/" + name])
+            nexus = file.create_group("nexus")
+            nexus.attrs.update({"NX_class": "NXdata", "signal": "data", "axes": ["z", "rows", "x"]})
+            nexus["data"] = samples
+            write_lines(nexus, {"x": "x", "rows": "y", "z": "z"})
+            emd = file.create_group("emd")
+            emd.attrs["emd_group_type"] = 1
+            emd["data"] = samples
+            write_lines(emd, {"dim1": "z", "dim2": "y", "dim3": "x"})
+            file["tags/data"] = samples.transpose(1, 0, 2)
+            file["tags/data"].attrs["axistags"] = json.dumps({"axes": [
+                {"key": key, "typeFlags": 2, "resolution": step} for key, step in (("y", 0.25), ("z", 2), ("x", 0.5))]})
+            file["size/data"] = samples
+            file["size/data"].attrs["element_size_um"] = (2, 0.25, 0.5)
+            file["odd/data"] = samples
+            for axis, label in enumerate(("energy", "y", "x")):
+                file["odd/data"].dims[axis].label = label
+            uneven = file.create_dataset("uneven/data", data=samples)
+            file["uneven/z"] = lines["z"] ** 2
+            file["uneven/z"].make_scale("z")
+            uneven.dims[0].attach_scale(file["uneven/z"])
+        for name in ("scales", "emd"):
+            self.assert_volume(f"a.h5:/{name}/data", samples, "data", told=("mm",), **place)
+        self.assert_volume("a.h5:/nexus/data", samples, "data", told=("mm", "z, rows, x"), **place)
+        self.assert_volume("a.h5:/tags/data", samples, "data", spacing=place["spacing"])
+        self.assert_volume("a.h5:/size/data", samples, "data", told=("µm",), spacing=place["spacing"])
+        self.assert_volume("a.h5:/odd/data", samples, "data", told=("energy, y, x", "--axes"))
+        self.assert_volume("a.h5:/uneven/data", samples, "data", told=("equal steps",))
+
+    def test_coordinates_of_the_time_axis_are_times(self):
+        steps = numpy.stack([make_samples("int16", phase=step) for step in range(2)])
+        with h5py.File(self.path("t.h5"), "w") as file:
+            file["data"] = steps
+            file["time"] = [0.5, 3.25]
+            file["time"].make_scale("time")
+            file["data"].dims[0].attach_scale(file["time"])
+        self.write("t.h5:/data", "o.bvol")
+        info = json.loads(self.run_tool("--info", "--json", "o.bvol")[1])
+        self.assertEqual([step["time"] for step in info["timeSteps"]], [0.5, 3.25])
+
+    def test_integers_of_12_bits_and_odd_floats_have_the_values_of_h5py(self):
+        samples = make_samples("int16") - 60
+        with h5py.File(self.path("p.h5"), "w") as file:
+            for name, order, offset in (("plain", h5py.h5t.STD_I16LE, 0), ("shifted", h5py.h5t.STD_I16BE, 4)):
+                kind = order.copy()
+                kind.set_precision(12)
+                kind.set_offset(offset)
+                space = h5py.h5s.create_simple(SHAPE)
+                h5py.h5d.create(file.id, name.encode(), kind, space).write(h5py.h5s.ALL, h5py.h5s.ALL, samples)
+            brain = h5py.h5t.IEEE_F32LE.copy()  # bfloat16
+            brain.set_fields(15, 7, 8, 0, 7)
+            brain.set_precision(16)
+            brain.set_size(2)
+            brain.set_ebias(127)
+            h5py.h5d.create(file.id, b"brain", brain, h5py.h5s.create_simple(SHAPE)).write(
+                h5py.h5s.ALL, h5py.h5s.ALL, samples.astype("float32"))
+            self.assertTrue((file["shifted"][...] == samples).all())
+        self.assert_volume("p.h5:/plain", samples, "plain")
+        self.assert_volume("p.h5:/shifted", samples, "shifted")
+        self.assert_volume("p.h5:/brain", samples.astype("float32"), "brain")
+
+    def test_cells_of_bigdataviewer_are_unsigned(self):
+        samples = make_samples("uint16") + 40000
+        with h5py.File(self.path("v.h5"), "w") as file:
+            file.create_dataset("t00000/s00/0/cells", data=samples.view("int16"), chunks=(16, 16, 16),
+                                compression="gzip")
+        self.assert_volume("v.h5", samples, "cells", told=("BigDataViewer",))
+
+
+class Imaris(DescribedCase):
+    """A dataset is larger than the image, whose size, extents, channels and time points are attributes."""
+
+    def write_imaris(self, name, images, extents=((10, 45), (-5, 13.5), (3, 85)), unit="um"):
+        """Images by level, time point and channel."""
+        def letters(text):
+            return numpy.array([letter.encode() for letter in str(text)], "S1")
+        with h5py.File(self.path(name), "w") as file:
+            info = file.create_group("DataSetInfo/Image")
+            for axis, (low, high) in enumerate(extents):
+                info.attrs[f"ExtMin{axis}"], info.attrs[f"ExtMax{axis}"] = letters(low), letters(high)
+            info.attrs["Unit"] = letters(unit)
+            for level, points in enumerate(images):
+                for point, channels in enumerate(points):
+                    for channel, image in enumerate(channels):
+                        group = file.create_group(
+                            f"DataSet/ResolutionLevel {level}/TimePoint {point}/Channel {channel}")
+                        padded = numpy.zeros([-(-size // 16) * 16 for size in image.shape], image.dtype)
+                        padded[tuple(slice(size) for size in image.shape)] = image
+                        group.create_dataset("Data", data=padded, chunks=(16, 16, 16), compression="gzip")
+                        for axis, letter in enumerate("ZYX"):
+                            group.attrs["ImageSize" + letter] = letters(image.shape[axis])
+                        file.require_group(f"DataSetInfo/Channel {channel}").attrs["Name"] = letters(f"Ch{channel}")
+
+    def test_size_place_channels_and_time_points(self):
+        images = [[make_samples("uint8", phase=point + 0.5 * channel) for channel in range(2)] for point in range(3)]
+        coarse = [[image[::2, ::2, ::2] for image in point] for point in images]
+        self.write_imaris("i.ims", (images, coarse))
+        place = {"spacing": (0.5, 0.5, 2), "origin": (10.25, -4.75, 4)}
+        path = self.write("i.ims", "o.bvol", "--step", "2", "--arrays", "Ch1")
+        self.assert_equal_volumes(path, self.write_raw(images[2][1], "Ch1", "--time", "2", **place))
+        info = json.loads(self.run_tool("--info", "--json", self.write("i.ims", "o.bvol"))[1])
+        self.assertEqual([array["name"] for array in info["arrays"]], ["Ch0", "Ch1"])
+        self.assertEqual(len(info["timeSteps"]), 3)
+        self.assert_volume("i.ims:/DataSet/ResolutionLevel 0/TimePoint 0/Channel 1/Data", images[0][1], "Data",
+                           told=("um",), **place)
+        self.assert_error("i.ims", "axes", arguments=["--axes", "zyx"])
+
+    def test_impossible_sizes_and_extents(self):
+        image = make_samples("uint8")
+        self.write_imaris("e.ims", [[[image]]], extents=((5, 5), (0, 1), (0, 1)))
+        self.assert_volume("e.ims", image, "Ch0", told=("extents are missing or impossible",))
+        with h5py.File(self.path("e.ims"), "a") as file:
+            group = file["DataSet/ResolutionLevel 0/TimePoint 0/Channel 0"]
+            group.attrs["ImageSizeX"] = numpy.array([b"9", b"9", b"9"], "S1")
+        self.assert_error("e.ims", "e.ims:/DataSet/ResolutionLevel 0", "999")
 
 
 class ErrorsAndLists(SourceCase):

@@ -2,7 +2,6 @@
 #include "TiffOnDisk.h"
 
 #include "Formats/Opener/ForeignVolume.h"
-#include "Formats/Tiff/TiffSource.h"
 #include "Ground/Base/Coding.h"
 
 #include <filesystem>
@@ -206,7 +205,7 @@ std::string MakeOme(const std::string& sizes)
 
 } // namespace
 
-TEST(TiffSource, ReadsEveryTypeInBothByteOrders)
+TEST(TiffVolume, ReadsEveryTypeInBothByteOrders)
 {
   const ScratchFolder folder;
   ExpectType<std::int8_t>(folder);
@@ -220,7 +219,7 @@ TEST(TiffSource, ReadsEveryTypeInBothByteOrders)
   ExpectType<double>(folder);
 }
 
-TEST(TiffSource, ReadsStripsAndTilesOfEveryCompression)
+TEST(TiffVolume, ReadsStripsAndTilesOfEveryCompression)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 37, 29, 5 });
@@ -238,7 +237,7 @@ TEST(TiffSource, ReadsStripsAndTilesOfEveryCompression)
   }
 }
 
-TEST(TiffSource, ChunksAreWholeStripsAndTilesOfAPage)
+TEST(TiffVolume, ChunksAreWholeStripsAndTilesOfAPage)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 100, 90, 3 });
@@ -255,7 +254,7 @@ TEST(TiffSource, ChunksAreWholeStripsAndTilesOfAPage)
   EXPECT_EQ(findChunk({ "w", COMPRESSION_LZW, 1, 16 }), (Chunk{ { 32, 32, 1 } }));
 }
 
-TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
+TEST(TiffVolume, ReadsASeriesInTheOrderOfTheNumbers)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 12 });
@@ -279,7 +278,7 @@ TEST(TiffSource, ReadsASeriesInTheOrderOfTheNumbers)
   EXPECT_EQ(both.Grid.GetDimensions(), (Index3{ 12, 9, 4 }));
 }
 
-TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
+TEST(TiffVolume, ReadsTheFormatOfImageJBeyondFourGibibytes)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 12, 9, 6 });
@@ -322,44 +321,56 @@ TEST(TiffSource, ReadsTheFormatOfImageJBeyondFourGibibytes)
   ExpectRefused(folder / "b.tif", folder / "b.tif", "truncated");
 }
 
-TEST(TiffSource, ChannelsAndFramesOfAHyperstackAreNoSlices)
+TEST(TiffVolume, ChannelsAndFramesOfAHyperstackAreNoSlices)
 {
   const ScratchFolder folder;
   const std::string path = folder / "a.tif";
   const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 6 });
-  const auto expectRefused = [&](const std::string& text, const std::string& counts)
+  const auto expectHyperstack =
+    [&](const std::string& text, std::int64_t slices, std::size_t channels, std::size_t frames)
   {
     WriteDescribed(path, volume, text);
-    ExpectRefused(path, path,
-      "page 1: its images are of " + counts +
-        ": only one stack of slices is read; save it as a file of its own");
+    const auto opened = Require(OpenForeignVolume(GetLocalFileSystem(), path));
+    EXPECT_EQ(opened.Grid.GetDimensions(), (Index3{ 12, 9, slices })) << text;
+    EXPECT_EQ(opened.Arrays.size(), channels) << text;
+    EXPECT_EQ(opened.Times.size(), frames) << text;
   };
   const auto expectRead = [&](const std::string& text)
   {
     WriteDescribed(path, volume, text);
     ExpectStack(path, volume);
   };
-  expectRefused("ImageJ=1.53t\nimages=6\nchannels=2\nslices=3\nhyperstack=true\n",
-    "2 channels, 3 slices and 1 frames");
-  expectRefused("ImageJ=1.53t\nimages=6\nslices=2\nframes=3\nhyperstack=true\n",
-    "1 channels, 2 slices and 3 frames");
+  expectHyperstack("ImageJ=1.53t\nimages=6\nchannels=2\nslices=3\nhyperstack=true\n", 3, 2, 0);
+  expectHyperstack("ImageJ=1.53t\nimages=6\nslices=2\nframes=3\nhyperstack=true\n", 2, 1, 3);
   expectRead("ImageJ=1.53t\nimages=6\nslices=6\nloop=false\n");
   expectRead("ImageJ=1.53t\nimages=6\nchannels=6\nhyperstack=true\n");
   expectRead("ImageJ=1.53t\nimages=6\nframes=6\nloop=false\n");
   expectRead("channels=2\nslices=3\n");
-  expectRefused(MakeOme(R"(SizeC="2" SizeZ="3" SizeT="1")"), "2 channels, 3 slices and 1 frames");
-  expectRefused(MakeOme(R"(SizeC="1" SizeZ="2" SizeT="3")"), "1 channels, 2 slices and 3 frames");
+  expectHyperstack(MakeOme(R"(SizeC="2" SizeZ="3" SizeT="1")"), 3, 2, 0);
+  expectHyperstack(MakeOme(R"(SizeC="1" SizeZ="2" SizeT="3")"), 2, 1, 3);
   expectRead(MakeOme(R"(SizeC="6" SizeZ="1" SizeT="1")"));
   expectRead(MakeOme(R"(SizeC="1" SizeZ="6" SizeT="1")"));
   // A file of a set: the slices of one of two channels.
-  expectRead(MakeOme(R"(SizeC="2" SizeZ="6" SizeT="1")"));
-  // One page is one slice, of whatever.
+  WriteDescribed(path, volume, MakeOme(R"(SizeC="2" SizeZ="6" SizeT="1")"));
+  const auto channel = Require(OpenForeignVolume(GetLocalFileSystem(), path));
+  EXPECT_EQ(channel.Arrays.size(), 1U);
+  EXPECT_NE(channel.LeftOut.find("channels whose pages are in other files"), std::string::npos);
+  WriteDescribed(path, volume, "ImageJ=1.53t\nimages=8\nchannels=2\nslices=4\n");
+  ExpectRefused(path, path, "2 channels, 4 slices and 1 frames, but there are 6 pages");
+  WriteDescribed(path, volume, MakeOme(R"(SizeC="2" SizeZ="1" SizeT="3")"));
+  ExpectRefused(path, path, "2 channels, 1 slices and 3 frames: there is no stack of slices");
+  // A page of several is none of a stack; in a stack of files it is a slice, of whatever.
   const auto slice = MakeRamp<std::uint8_t>({ 12, 9, 1 });
-  WriteDescribed(path, slice, MakeOme(R"(SizeC="2" SizeZ="2" SizeT="1")"));
-  ExpectStack(path, slice);
+  for (const char* name : { "s1.tif", "s2.tif" })
+  {
+    WriteDescribed(folder / name, slice, MakeOme(R"(SizeC="2" SizeZ="2" SizeT="1")"));
+    ExpectRefused(folder / name, folder / name, "truncated: slice 2 of 2 of channel 0");
+  }
+  const auto both = Require(OpenForeignVolume(GetLocalFileSystem(), folder / "s*.tif"));
+  EXPECT_EQ(both.Grid.GetDimensions(), (Index3{ 12, 9, 2 }));
 }
 
-TEST(TiffSource, StripsAndTilesOfASparseFileHaveGdalsNumberOrZero)
+TEST(TiffVolume, StripsAndTilesOfASparseFileHaveGdalsNumberOrZero)
 {
   const ScratchFolder folder;
   ExpectSparse<std::uint16_t>(folder, nullptr, 0);
@@ -375,7 +386,7 @@ TEST(TiffSource, StripsAndTilesOfASparseFileHaveGdalsNumberOrZero)
   ExpectSparse<double>(folder, "none", 0);
 }
 
-TEST(TiffSource, AStripOfFewerBytesThanItsRowsIsAnError)
+TEST(TiffVolume, AStripOfFewerBytesThanItsRowsIsAnError)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 12, 20, 1 });
@@ -397,7 +408,7 @@ TEST(TiffSource, AStripOfFewerBytesThanItsRowsIsAnError)
     folder / "a.tif" + ": page 1: the strip of row 10 is truncated: it has 59 bytes");
 }
 
-TEST(TiffSource, PagesOfDifferentFormatsAreAnError)
+TEST(TiffVolume, PagesOfDifferentFormatsAreAnError)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 3 });
@@ -423,7 +434,7 @@ TEST(TiffSource, PagesOfDifferentFormatsAreAnError)
   ExpectRefused(folder / "s?.tif", folder / "s2.tif", "differs");
 }
 
-TEST(TiffSource, ErrorsNameWhatIsNotSupported)
+TEST(TiffVolume, ErrorsNameWhatIsNotSupported)
 {
   const ScratchFolder folder;
   TIFF* tiff = TIFFOpen((folder / "rgb.tif").c_str(), "w");
@@ -453,7 +464,7 @@ TEST(TiffSource, ErrorsNameWhatIsNotSupported)
   ExpectRefused(folder / "none.xyz", folder / "none.xyz", "neither MetaImage");
 }
 
-TEST(TiffSource, AFileHasAtMostAMillionPages)
+TEST(TiffVolume, AFileHasAtMostAMillionPages)
 {
   const std::size_t most = std::size_t{ 1 } << 20;
   for (const std::size_t images : { most, most + 1 })
@@ -466,16 +477,17 @@ TEST(TiffSource, AFileHasAtMostAMillionPages)
   }
   ExpectRefused(
     MakeTiff(MakeEntries(1, 1, 8, 1), "ImageJ=1.53t\nimages=1048577\n", Bytes(most + 1)),
-    StatusCode::Unsupported, "ImageJ wrote 1048577 images; at most 1048576 pages are supported");
+    StatusCode::Unsupported,
+    "its description speaks of 1048577 images; at most 1048576 pages are supported");
 }
 
-TEST(TiffSource, SizesThatWrapAreRefused)
+TEST(TiffVolume, SizesThatWrapAreRefused)
 {
   ExpectRefused(MakeTiff(MakeEntries(1u << 31, (1u << 30) + 1, 64, 1), "", Bytes(100)),
     StatusCode::Corrupt, "its width or height is impossible");
 }
 
-TEST(TiffSource, AStripThatIsNotThereTakesNoMemory)
+TEST(TiffVolume, AStripThatIsNotThereTakesNoMemory)
 {
   const auto findPeak = []
   {
@@ -495,7 +507,7 @@ TEST(TiffSource, AStripThatIsNotThereTakesNoMemory)
   EXPECT_LT(findPeak() - before, 64 << 10);
 }
 
-TEST(TiffSource, OnlyKnownCompressionsAreRead)
+TEST(TiffVolume, OnlyKnownCompressionsAreRead)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint8_t>({ 37, 29, 2 });
@@ -521,7 +533,7 @@ TEST(TiffSource, OnlyKnownCompressionsAreRead)
   }
 }
 
-TEST(TiffSource, ReadsSamplesThatJpegCompresses)
+TEST(TiffVolume, ReadsSamplesThatJpegCompresses)
 {
   if (TIFFIsCODECConfigured(COMPRESSION_JPEG) == 0)
   {
@@ -534,7 +546,7 @@ TEST(TiffSource, ReadsSamplesThatJpegCompresses)
   ExpectStack(folder / "a.tif", volume);
 }
 
-TEST(TiffSource, DamagedFilesGiveErrorsOrSamples)
+TEST(TiffVolume, DamagedFilesGiveErrorsOrSamples)
 {
   const ScratchFolder folder;
   const auto volume = MakeRamp<std::uint16_t>({ 21, 18, 3 });

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_LengthUnit_h
+#define isosurface_LengthUnit_h
+
+#include <array>
+#include <string>
+
+namespace isosurface
+{
+
+/// The usual sign of a unit of length that OME or ImageJ names ("micron": "µm"); as it is, if it is
+/// none; empty for pixels.
+std::string NormalizeUnit(const std::string& unit);
+
+/// Brings lengths on three axes to the unit of the first one. False if they have several, and one of
+/// them is no known unit of length; then they stay.
+bool UniteLengths(std::array<double, 3>& lengths, const std::array<std::string, 3>& units);
+
+} // namespace isosurface
+
+#endif
