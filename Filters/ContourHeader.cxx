@@ -111,6 +111,7 @@ Result<EdgeIndexHeader> ShareHeader(
   const auto pack = [&]() -> Status
   {
     header = describe();
+    header.TakeLosslessIfBoundIsTooFine();
     ISOSURFACE_RETURN_IF_ERROR(header.Check());
     if (hasSamples)
     {

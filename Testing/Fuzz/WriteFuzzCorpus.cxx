@@ -312,6 +312,8 @@ void AddEdgeIndexFiles(Corpus& corpus)
   header.Settings.Mode = EdgeIndexMode::Quantized;
   AddEdgeIndexFile<std::uint16_t>(corpus, "quantized", 1, header);
   header.Settings.Mode = EdgeIndexMode::Smallest;
+  AddEdgeIndexFile<std::uint16_t>(corpus, "smallest-rounded", 1, header);
+  header.RoundsFaces = false;
   AddEdgeIndexFile<std::uint16_t>(corpus, "smallest", 1, header);
 }
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decodes where crossed edges are crossed: edge-index.md, section "Crossings"."""
+import math
+
 from edge_index_coding import (AdaptiveBits, clamp, decode_on_both_sides, divide, measure)
 from edge_index_values import Measures
 
@@ -42,6 +44,9 @@ class EqualIntervals:
     def find_position(self, interval):
         """The middle of an interval, in units of 2^-10 edges."""
         return (2 * interval + 1) * (2**40 // self.count) >> 31
+
+    def find_interval(self, t):
+        return math.floor(clamp(t * self.count, 0, self.count - 1))
 
     def find_parameter(self, interval):
         return (2 * interval + 1) / (2 * self.count)

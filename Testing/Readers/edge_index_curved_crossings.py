@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decodes crossings of the profile compact: edge-index.md, "Crossings of the profile compact"."""
+import math
+
 from edge_index_coding import (SQUASH, STRETCH, MagnitudePriors, MixedMagnitudes, clamp,
                                decode_on_both_sides, divide, measure, read_tables)
 from edge_index_crossings import (UNIT, Crossings, PlanePrediction, list_terms, measure_error)
@@ -25,6 +27,9 @@ class WideIntervals:
 
     def find_position(self, interval):
         return self._sum_ends(interval) >> 21
+
+    def find_interval(self, t):
+        return math.floor(clamp(t * 2.0**30 / self.width, 0, self.count - 1))
 
     def find_parameter(self, interval):
         return self._sum_ends(interval) / 2**31

@@ -29,7 +29,7 @@ TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "u
               "float64")
 MODES = ("lossless", "bounded", "quantized", "smallest")
 PROFILES = ("default", "fast", "compact", "working")
-VERSION = 1
+VERSIONS = (1, 2)
 
 
 class Bytes:
@@ -80,7 +80,7 @@ class Header:
         check(data[:8] == b"EIXcode\n", "is no edge-index file")
         source = Bytes(data, 8)
         self.version, size = source.unpack("II")
-        check(self.version == VERSION, f"version {self.version} is unsupported")
+        check(self.version in VERSIONS, f"version {self.version} is unsupported")
         check(264 <= size <= min(2**26, len(data)), "header: impossible size")
         self.size = size
         self.hash = hash64(data[:size - 8])
@@ -322,12 +322,23 @@ class DecodedBlock:
         if not record.codes_crossings:
             self._add_values(
                 values, isovalue, "float32" if header.mode == "quantized" else header.type_name)
+            if header.version == 2 and header.mode == "smallest":
+                self._round_on_faces(make_crossings(
+                    profile, header.grid, header.maximum_error, False, None).cut)
         check(len(self.parameters) == record.points, "record: another number of points")
 
     def _add_crossings(self, found, cut, z):
         for (x, y, axis), interval in found.items():
             self.parameters[x, y, z, axis] = math.nan if interval is None else round_to_float32(
                 cut.find_parameter(interval))
+
+    def _round_on_faces(self, cut):
+        last = (self.block.nx - 1, self.block.ny - 1, self.block.nz - 1)
+        for (*vertex, axis), t in self.parameters.items():
+            on_face = any(n != axis and place in (0, last[n]) for n, place in enumerate(vertex))
+            if on_face and not math.isnan(t):
+                self.parameters[(*vertex, axis)] = round_to_float32(
+                    cut.find_parameter(cut.find_interval(t)))
 
     def _add_values(self, values, isovalue, value_type):
         for z in range(self.block.nz):

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 
 namespace isosurface
 {
@@ -61,7 +62,14 @@ public:
       : static_cast<double>(this->AddEnds(interval)) / static_cast<double>(2ull << UnitBits);
   }
 
-  /// The same in units of 2^-10 (CrossingFit::Unit), rounded down.
+  /// The same as it is decoded; NaN for the number of intervals.
+  float GetPlace(std::uint32_t interval) const
+  {
+    return interval == this->Count ? std::numeric_limits<float>::quiet_NaN()
+                                   : static_cast<float>(this->GetMiddle(interval));
+  }
+
+  /// The middle in units of 2^-10 (CrossingFit::Unit), rounded down.
   std::int16_t GetPosition(std::uint32_t interval) const
   {
     return static_cast<std::int16_t>(this->Width == 0

@@ -6,6 +6,7 @@
 #include "Coding/BlockCoding/Quantizer.h"
 #include "Coding/EdgeIndex/IsovalueJoin.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
+#include "Coding/EdgeIndex/SampledBlock.h"
 #include "Ground/Base/WithinMemory.h"
 #include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/ValueKey.h"
@@ -75,8 +76,11 @@ public:
     const auto vertices = static_cast<std::size_t>(record.Block.Vertices.GetNumberOfVertices());
     this->ValueSize = GetValueSize(this->Type);
     memory.Samples = Buffer<std::uint8_t>(vertices * this->ValueSize);
-    if (record.Block.Coding == CodedGeometry::Crossings)
+    const bool isOfValues = record.Block.Coding == CodedGeometry::Values;
+    const bool isRounded = header.Settings.Mode == EdgeIndexMode::Smallest && header.RoundsFaces;
+    if (!isOfValues || isRounded)
     {
+      memory.View.IsOfFaces = isOfValues;
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
         memory.Crossings[axis] = Buffer<float>(vertices);
@@ -151,13 +155,7 @@ public:
   {
     float* row = this->Memory.Crossings[static_cast<std::size_t>(axis)].GetData() +
       (std::ptrdiff_t(z) * this->Size[1] + y) * this->Size[0];
-    VisitBits(edges,
-      [&](int x)
-      {
-        row[x] = bins[x] == this->Intervals.GetCount()
-          ? std::numeric_limits<float>::quiet_NaN()
-          : static_cast<float>(this->Intervals.GetMiddle(bins[x]));
-      });
+    VisitBits(edges, [&](int x) { row[x] = this->Intervals.GetPlace(bins[x]); });
   }
 
   bool FinishSlice(int) override { return !this->Decoder->IsExhausted(); }
@@ -313,9 +311,20 @@ Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record
   BlockSamples samples;
   samples.Scalars =
     MakeSampleView(this->Header.GetDecodedType(), record.Block.Vertices, memory->Samples.GetData());
-  if (record.Block.Coding == CodedGeometry::Crossings)
+  if (memory->View.First[0])
   {
     samples.Crossings = &memory->View;
+  }
+  if (memory->View.IsOfFaces)
+  {
+    std::array<float*, 3> crossings;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      crossings[axis] = memory->Crossings[axis].GetData();
+    }
+    SampledBlock(
+      samples.Scalars, this->Header.Isovalues[record.Block.Isovalue], this->Header.GetIntervals())
+      .RoundOnFaces(crossings);
   }
   samples.Attributes = memory->Attributes.GetViews(this->Header, record.Block.Vertices);
   samples.Owner = memory;

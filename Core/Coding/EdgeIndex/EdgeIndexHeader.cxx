@@ -155,6 +155,16 @@ Status EdgeIndexHeader::Check() const
   return CheckSettings(*this);
 }
 
+void EdgeIndexHeader::TakeLosslessIfBoundIsTooFine()
+{
+  const double error = this->Settings.MaximumError;
+  if (this->Settings.Mode == EdgeIndexMode::Smallest && error > 0 && error <= 0.5 &&
+    this->GetIntervals().GetCount() == 0)
+  {
+    this->Settings.Mode = EdgeIndexMode::Lossless;
+  }
+}
+
 CrossingIntervals EdgeIndexHeader::GetIntervals() const
 {
   // A structured coordinate is rounded to float, and its parameter may be as well.

@@ -25,7 +25,7 @@ enum class EdgeIndexMode : std::uint8_t
   Lossless = 0,  ///< the values at the ends of crossed edges: every point, bit by bit
   Bounded = 1,   ///< where on its edge each point lies, to within MaximumError
   Quantized = 2, ///< the values at the ends of crossed edges, to QuantizationBits
-  Smallest = 3   ///< the smaller of lossless and bounded, block by block
+  Smallest = 3   ///< the smaller of lossless and bounded, block by block; see RoundsFaces
 };
 
 struct EdgeIndexSettings
@@ -75,6 +75,11 @@ struct EdgeIndexHeader
   std::vector<double> Isovalues;
   EdgeIndexSettings Settings;
 
+  /// In mode Smallest: points on the faces of blocks lie in the middle of intervals, also where the
+  /// values of a block are coded, so that a point has one place in all blocks that have it. Only files
+  /// of version 1 do not do this.
+  bool RoundsFaces = true;
+
   // For information.
   std::string Array;          ///< the name of the samples that were contoured
   std::string Source;         ///< where they came from, in the writer's words
@@ -93,6 +98,9 @@ struct EdgeIndexHeader
 
   /// InvalidArgument, with the reason, for what cannot be encoded.
   Status Check() const;
+
+  /// Mode Smallest becomes Lossless if no intervals are as fine as MaximumError: all blocks would be.
+  void TakeLosslessIfBoundIsTooFine();
 
   void Append(std::vector<std::uint8_t>& bytes) const;
 

@@ -42,7 +42,9 @@ namespace
 //      8   checksum of all before
 // A name or text is its size in bytes (4), and UTF-8.
 constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
-constexpr std::uint32_t Version = 1;
+// Only mode Smallest differs: see EdgeIndexHeader::RoundsFaces.
+constexpr std::uint32_t Version = 2;
+constexpr std::uint32_t PlainVersion = 1;
 constexpr std::size_t SizeOffset = 12;
 constexpr std::size_t FieldsOffset = 16;
 constexpr std::size_t HeaderChecksumSize = 8;
@@ -204,7 +206,8 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
 {
   const std::size_t first = bytes.size();
   bytes.insert(bytes.end(), Magic, Magic + sizeof(Magic));
-  AppendLittleEndian(bytes, Version);
+  const bool isPlain = this->Settings.Mode != EdgeIndexMode::Smallest || !this->RoundsFaces;
+  AppendLittleEndian(bytes, isPlain ? PlainVersion : Version);
   AppendLittleEndian(bytes, std::uint32_t{ 0 }); // the size, see below
   bytes.push_back(static_cast<std::uint8_t>(this->Type));
   bytes.push_back(static_cast<std::uint8_t>(this->Settings.Mode));
@@ -250,11 +253,12 @@ Result<std::size_t> EdgeIndexHeader::ParseSize(const std::uint8_t* bytes)
       StatusCode::Corrupt, "This is not an edge-index stream: it does not begin with EIXcode.");
   }
   const auto version = LoadLittleEndian<std::uint32_t>(bytes + sizeof(Magic));
-  if (version != Version)
+  if (version < PlainVersion || version > Version)
   {
     return Status(StatusCode::Unsupported,
       "The edge-index stream has format version " + std::to_string(version) +
-        "; this reader knows " + std::to_string(Version) + ".");
+        "; this reader knows " + std::to_string(PlainVersion) + " to " + std::to_string(Version) +
+        ".");
   }
   const std::size_t size = LoadLittleEndian<std::uint32_t>(bytes + SizeOffset);
   if (size < MinimumSize || size > MaximumSize)
@@ -284,6 +288,7 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
     return MakeCorruptHeader("does not match its checksum");
   }
   EdgeIndexHeader header;
+  header.RoundsFaces = LoadLittleEndian<std::uint32_t>(bytes + sizeof(Magic)) > PlainVersion;
   HeaderParser parser(bytes + FieldsOffset, *length - HeaderChecksumSize - FieldsOffset);
   ISOSURFACE_RETURN_IF_ERROR(parser.Parse(header));
   const Status valid = header.Check();

@@ -229,6 +229,32 @@ bool SampledBlock::HasMissingCrossings() const
   return missing;
 }
 
+void SampledBlock::RoundOnFaces(const std::array<float*, 3>& crossings)
+{
+  SignRow ends;
+  ends.Set(0);
+  ends.Set(this->Size[0] - 1);
+  std::array<std::uint32_t, MaximumCodedVertices> bins;
+  this->VisitCrossedRows(
+    [&](int y, int z, const SignRow(&edges)[3])
+    {
+      const bool isFace[3] = { false, y == 0 || y == this->Size[1] - 1,
+        z == 0 || z == this->Size[2] - 1 };
+      const std::ptrdiff_t row = (std::ptrdiff_t(z) * this->Size[1] + y) * this->Size[0];
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        const bool isWhole = (axis != 1 && isFace[1]) || (axis != 2 && isFace[2]);
+        const SignRow chosen = isWhole ? edges[axis] : axis != 0 ? edges[axis] & ends : SignRow();
+        this->ExchangeBins(axis, y, z, chosen, bins.data());
+        VisitBits(chosen,
+          [&](int x) {
+            crossings[static_cast<std::size_t>(axis)][row + x] = this->Intervals.GetPlace(bins[x]);
+          });
+      }
+      return true;
+    });
+}
+
 bool SampledBlock::HasExceptions(const CodedAttribute& attribute) const
 {
   const AttributeDomain domain(attribute.Type, attribute.MaximumError);

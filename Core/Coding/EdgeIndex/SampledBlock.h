@@ -50,6 +50,10 @@ public:
 
   bool HasMissingCrossings() const;
 
+  /// Stores the middles of the intervals of all crossings on the block's faces. crossings[axis] is for
+  /// the edge along the axis from each vertex, x fastest.
+  void RoundOnFaces(const std::array<float*, 3>& crossings);
+
 private:
   // Whether some value at a crossed edge has no code.
   bool HasExceptions(const CodedAttribute& attribute) const;

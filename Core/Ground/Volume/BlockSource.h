@@ -41,11 +41,13 @@ struct AttributeView
 
 /// Where the surface crosses the edges of a block: First[axis] has, for the edge along the axis
 /// from each vertex (i, j, k) of Box, x fastest, the position of the point on the edge (0 to 1).
-/// Only the values of crossed edges are defined.
+/// Only the values of crossed edges are defined; if IsOfFaces, only of those in the faces of Box, and
+/// the scalars tell where all other points lie.
 struct CrossingView
 {
   std::array<const float*, 3> First{};
   VertexBox Box;
+  bool IsOfFaces = false;
 };
 
 /// The samples of a block, in grid coordinates. They are valid as long as Owner is held.
@@ -53,7 +55,7 @@ struct BlockSamples
 {
   SampleView Scalars; ///< Box is the block's vertices
   std::vector<AttributeView> Attributes;
-  /// If given, the points lie there, and the scalars only tell which vertices are inside.
+  /// If given, the points lie there, and the scalars tell which vertices are inside.
   const CrossingView* Crossings = nullptr;
   /// If given, what is hidden. Its Box contains the block.
   const Blanking* Hidden = nullptr;

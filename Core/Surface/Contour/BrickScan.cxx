@@ -42,9 +42,19 @@ void LocateCrossings(const CrossingView& crossings, const BrickSamples& view, co
     const EdgeCode code = codes[n];
     const std::size_t axis = code >> 18;
     std::ptrdiff_t at = first;
-    for (unsigned across = 0; across < 3; ++across)
+    bool isGiven = !crossings.IsOfFaces;
+    for (std::size_t across = 0; across < 3; ++across)
     {
-      at += static_cast<std::ptrdiff_t>(code >> (6 * across) & 63) * stride[across];
+      const auto place = static_cast<std::int64_t>(code >> (6 * across) & 63);
+      const std::int64_t vertex = view.Low[across] + place;
+      at += static_cast<std::ptrdiff_t>(place) * stride[across];
+      isGiven = isGiven ||
+        (across != axis &&
+          (vertex == crossings.Box.Low[across] || vertex == crossings.Box.High[across] - 1));
+    }
+    if (!isGiven)
+    {
+      continue;
     }
     const auto t = static_cast<double>(crossings.First[axis][at]);
     if (parameters)
@@ -343,14 +353,17 @@ void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSampl
   {
     LocateBorderPoints(brick, view, part.Codes, count, part.Coordinates, parameters);
   }
-  else if (samples.Crossings)
-  {
-    LocateCrossings(*samples.Crossings, view, part.Codes, count, part.Coordinates, parameters);
-  }
   else
   {
-    this->Kernels.LocatePoints(
-      samples.Scalars.Type, view, isovalue, part.Codes, count, part.Coordinates, parameters);
+    if (!samples.Crossings || samples.Crossings->IsOfFaces)
+    {
+      this->Kernels.LocatePoints(
+        samples.Scalars.Type, view, isovalue, part.Codes, count, part.Coordinates, parameters);
+    }
+    if (samples.Crossings)
+    {
+      LocateCrossings(*samples.Crossings, view, part.Codes, count, part.Coordinates, parameters);
+    }
   }
   if (this->Request.Normals)
   {

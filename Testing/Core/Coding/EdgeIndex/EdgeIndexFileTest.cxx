@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <random>
 #include <set>
 #include <string>
 #include <vector>
@@ -60,6 +62,41 @@ MemoryDisk::Bytes WriteSmallFile(MemoryDisk& disk)
   return disk.GetFile(Path);
 }
 
+using PointsById = std::map<std::int64_t, std::array<float, 3>>;
+
+/// The points of a file that is decoded block by block. Each point must have one place in all blocks.
+PointsById ReadBlockByBlock(const EdgeIndexFile& file)
+{
+  PointsById points;
+  EdgeIndexSelection selection;
+  selection.NumberOfPieces = static_cast<int>(file.GetEntries().size());
+  for (; selection.Piece < selection.NumberOfPieces; ++selection.Piece)
+  {
+    const auto piece = Require(file.Read(selection, MakeRequest({}), 1));
+    for (std::size_t n = 0; n < piece.NumberOfPoints; ++n)
+    {
+      const float* point = piece.Points.GetData() + 3 * n;
+      const std::array<float, 3> place = { point[0], point[1], point[2] };
+      EXPECT_EQ(points.emplace(piece.GlobalIds[n], place).first->second, place)
+        << piece.GlobalIds[n];
+    }
+  }
+  return points;
+}
+
+/// One half is noise of four values, which take fewer bits than the places of its crossings.
+SampleVolume<std::int16_t> MakeHalfNoisy()
+{
+  auto volume = MakeWaves<std::int16_t>({ 50, 34, 30 }, 0);
+  std::mt19937 random(3);
+  for (std::size_t n = 0; n < volume.Samples.size(); ++n)
+  {
+    volume.Samples[n] =
+      n % 50 < 26 ? volume.Samples[n] : static_cast<std::int16_t>(99 + random() % 4);
+  }
+  return volume;
+}
+
 std::size_t CountBlocks(const EdgeIndexFile& file, bool preview)
 {
   return static_cast<std::size_t>(std::count_if(file.GetEntries().begin(), file.GetEntries().end(),
@@ -100,6 +137,92 @@ TEST(EdgeIndexFile, HoldsTheExtractedSurfaceAndItsProvenance)
   for (std::size_t n = 0; n < part.NumberOfPoints; ++n)
   {
     ASSERT_EQ(second.GlobalIds[n], expected->GlobalIds[part.FirstPoint + n]);
+  }
+}
+
+TEST(EdgeIndexFile, PointsOnFacesHaveOnePlaceInAllBlocksInEveryMode)
+{
+  const auto volume = MakeHalfNoisy();
+  for (const EdgeIndexProfile profile : AllProfiles)
+  {
+    for (const EdgeIndexMode mode : { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded,
+           EdgeIndexMode::Quantized, EdgeIndexMode::Smallest })
+    {
+      EdgeIndexHeader header = MakeFileHeader(volume, { 100.5 }, mode);
+      header.Settings.Profile = profile;
+      header.PreviewLevel = 0;
+      MemoryDisk disk;
+      WriteFile(disk, header, volume, 16);
+      const auto file = OpenFile(disk);
+      const auto valued = std::count_if(file->GetEntries().begin(), file->GetEntries().end(),
+        [](const EdgeIndexEntry& entry) { return entry.Block.Coding == CodedGeometry::Values; });
+      if (mode == EdgeIndexMode::Smallest)
+      {
+        EXPECT_GT(valued, 3);
+        EXPECT_LT(valued, static_cast<std::ptrdiff_t>(file->GetEntries().size()) - 3);
+      }
+      EXPECT_GT(ReadBlockByBlock(*file).size(), 1000u);
+    }
+  }
+}
+
+TEST(EdgeIndexFile, SmallestKeepsPointsInsideOfLosslessBlocks)
+{
+  const auto volume = MakeHalfNoisy();
+  MemoryDisk disk;
+  EdgeIndexHeader header = MakeFileHeader(volume, { 100.5 }, EdgeIndexMode::Smallest);
+  WriteFile(disk, header, volume, 16);
+  const auto file = OpenFile(disk);
+  const PointsById points = ReadBlockByBlock(*file);
+  header.Settings.Mode = EdgeIndexMode::Lossless;
+  WriteFile(disk, header, volume, 16);
+  const auto lossless = OpenFile(disk);
+  std::size_t moved = 0;
+  std::size_t kept = 0;
+  for (const EdgeIndexEntry& entry : file->GetEntries())
+  {
+    EdgeIndexSelection selection;
+    selection.Box = entry.Block.Vertices;
+    const auto block = Require(lossless->Read(selection, MakeRequest({}), 1));
+    for (std::size_t n = 0; n < block.NumberOfPoints &&
+         entry.Block.Coding == CodedGeometry::Values && !entry.Block.IsPreview;
+         ++n)
+    {
+      const std::array<float, 3>& place = points.at(block.GlobalIds[n]);
+      const bool isSame = std::equal(place.begin(), place.end(), block.Points.GetData() + 3 * n);
+      const std::int64_t vertex = block.GlobalIds[n] / 3;
+      const Index3 at = { vertex % 50, vertex / 50 % 34, vertex / (50 * 34) };
+      bool isOnFace = false;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        isOnFace = isOnFace ||
+          (static_cast<std::int64_t>(axis) != block.GlobalIds[n] % 3 &&
+            (at[axis] == entry.Block.Vertices.Low[axis] ||
+              at[axis] == entry.Block.Vertices.High[axis] - 1));
+      }
+      EXPECT_TRUE(isSame || isOnFace);
+      ++(isSame ? kept : moved);
+    }
+  }
+  EXPECT_GT(kept, 1000u);
+  EXPECT_GT(moved, 100u);
+}
+
+TEST(EdgeIndexFile, SmallestWithAnErrorBelowTheRoundingOfCoordinatesIsLossless)
+{
+  const auto volume = MakeHalfNoisy();
+  EdgeIndexHeader header = MakeFileHeader(volume, { 100.5 }, EdgeIndexMode::Smallest);
+  header.Settings.MaximumError = 0.000001;
+  EXPECT_FALSE(header.Check().IsOk());
+  header.TakeLosslessIfBoundIsTooFine();
+  EXPECT_EQ(header.Settings.Mode, EdgeIndexMode::Lossless);
+  EXPECT_TRUE(header.Check().IsOk());
+  for (const double error : { 0.0, -1.0, 0.6, 0.01 }) // wrong ones stay an error
+  {
+    header.Settings.Mode = EdgeIndexMode::Smallest;
+    header.Settings.MaximumError = error;
+    header.TakeLosslessIfBoundIsTooFine();
+    EXPECT_EQ(header.Settings.Mode, EdgeIndexMode::Smallest);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of format version 1 stay readable with the same meaning, and the bytes that an encoder
+// Files of all format versions stay readable with the same meaning, and the bytes that an encoder
 // writes do not depend on compiler, flags or machine. The files must not change together with the
 // code.
 #include "Fixtures/CodedVolumes.h"
@@ -52,6 +52,7 @@ EdgeIndexHeader MakeGoldenHeader(EdgeIndexMode mode, EdgeIndexProfile profile)
   header.Settings.MaximumError = 0.03125;
   header.Settings.QuantizationMinimum = 0;
   header.Settings.QuantizationMaximum = 1024;
+  header.RoundsFaces = false; // as in version 1
   return header;
 }
 
@@ -72,6 +73,7 @@ void CheckDecoded(const std::vector<std::uint8_t>& golden, EdgeIndexMode mode, b
   ASSERT_TRUE(file.IsOk() && (*file)->Append(golden.data(), golden.size()).IsOk());
   const auto opened = Require(EdgeIndexFile::Open(disk, GoldenPath));
   EXPECT_TRUE(opened->Verify(1).IsOk());
+  EXPECT_EQ(opened->GetHeader().RoundsFaces, golden[8] > 1); // the version
   EXPECT_EQ(opened->GetHeader().Array, "density");
   EXPECT_EQ(opened->GetHeader().Source, "golden");
   EXPECT_EQ(opened->GetHeader().Time, 0.25);
@@ -103,14 +105,15 @@ void CheckDecoded(const std::vector<std::uint8_t>& golden, EdgeIndexMode mode, b
 
 /// Reads a golden file, and what the encoder makes now; both must be equal, and be the surface.
 template <typename T>
-void CheckGolden(
-  const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile, bool normals = false)
+void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile,
+  bool normals = false, bool roundsFaces = false)
 {
   const std::vector<std::uint8_t> golden = ReadGolden(name);
   const SampleVolume<T> volume = MakeGoldenVolume<T>();
   TestBlockSource<T> source(volume, 16);
   MemoryDisk disk;
   EdgeIndexHeader header = MakeGoldenHeader<T>(mode, profile);
+  header.RoundsFaces = roundsFaces;
   if (normals)
   {
     header.Attributes = { { "Normals", ValueType::Float32, 3, 0.0078125, true } };
@@ -156,6 +159,12 @@ TEST(EdgeIndexFilesOfRelease1, QuantizedValues)
 TEST(EdgeIndexFilesOfRelease1, SmallestOfBothModes)
 {
   CheckGolden<double>("smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+}
+
+TEST(EdgeIndexFilesOfVersion2, SmallestWithRoundedFaces)
+{
+  CheckGolden<double>(
+    "smallest-2.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default, false, true);
 }
 
 TEST(EdgeIndexFilesOfRelease1, PointAttributes)
