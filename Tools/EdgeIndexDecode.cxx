@@ -6,15 +6,17 @@
 
 #include "vtkErrorCode.h"
 #include "vtkNew.h"
-#include "vtkOBJWriter.h"
 #include "vtkPolyData.h"
 #include "vtkXMLPolyDataWriter.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Surface/Islands/IslandKeeping.h"
 #include "SurfacePolyData.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <functional>
@@ -32,9 +34,24 @@ std::string FindEnding(const std::string& path)
   return dot == std::string::npos ? "" : path.substr(dot);
 }
 
-template <typename Writer>
-Status RunWriter(Writer* writer, vtkPolyData* surface, const std::string& path)
+/// Brings a file that another library has written to stable storage, and looks at its end.
+Status CheckWritten(const std::string& path, const std::string& end)
 {
+  const auto written = GetLocalFileSystem().OpenForUpdate(path);
+  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR((*written)->SyncAndClose());
+  const auto file = GetLocalFileSystem().OpenForReading(path);
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  std::string last(std::min<std::uint64_t>(end.size(), (*file)->GetSize()), ' ');
+  ISOSURFACE_RETURN_IF_ERROR(
+    (*file)->Read((*file)->GetSize() - last.size(), last.size(), &last[0]));
+  return last == end ? Status::Ok()
+                     : Status(StatusCode::IoError, path + ": was not written to its end");
+}
+
+Status WritePolyData(vtkPolyData* surface, const std::string& path)
+{
+  vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetInputData(surface);
   writer->SetFileName(path.c_str());
   if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
@@ -43,18 +60,7 @@ Status RunWriter(Writer* writer, vtkPolyData* surface, const std::string& path)
       path +
         ": cannot be written: " + vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()) };
   }
-  return Status::Ok();
-}
-
-Status WritePolyData(vtkPolyData* surface, const std::string& path, bool isObj)
-{
-  if (isObj)
-  {
-    vtkNew<vtkOBJWriter> writer;
-    return RunWriter(writer.Get(), surface, path);
-  }
-  vtkNew<vtkXMLPolyDataWriter> writer;
-  return RunWriter(writer.Get(), surface, path);
+  return CheckWritten(path, "</VTKFile>\n");
 }
 
 /// Writes to a temporary name first, as writers of edge-index files do, so that an incomplete file is
@@ -83,18 +89,23 @@ Status CheckOutput(const EdgeIndexOptions& options)
   const std::string& path = options.Output;
   const std::string ending = FindEnding(path);
   const bool isMesh = MeshFile::Knows(path);
-  if (!path.empty() && !isMesh && ending != ".vtp" && ending != ".obj")
+  if (!path.empty() && !isMesh && ending != ".vtp")
   {
     return { StatusCode::InvalidArgument,
       path + ": its name does not end in .ply, .stl, .glb, .vtp or .obj" };
   }
   if (options.NumberOfTriangles > 0 && !isMesh)
   {
-    return { StatusCode::InvalidArgument, "--triangles needs OUT.ply, .stl or .glb" };
+    return { StatusCode::InvalidArgument, "--triangles needs OUT.ply, .stl, .glb or .obj" };
   }
   if (options.IsCompressed && ending != ".glb")
   {
     return { StatusCode::InvalidArgument, "--compress needs OUT.glb" };
+  }
+  const std::string partial = EdgeIndexFileWriter::GetPartialPath(path);
+  for (const std::string& written : { path, partial, partial + ".faces" })
+  {
+    ISOSURFACE_RETURN_IF_ERROR(CheckIsOther(written, options.Input));
   }
   return Status::Ok();
 }
@@ -114,9 +125,49 @@ Status MakeEmptyError(const EdgeIndexOptions& options)
   return { StatusCode::InvalidArgument, options.Input + ": has no triangles to write" };
 }
 
-Result<Surface> ReadSurface(const EdgeIndexFile& file, const EdgeIndexOptions& options, int threads)
+/// What the user should know of a file that was written.
+void WarnOfWritten(
+  const EdgeIndexOptions& options, std::uint64_t dropped, const std::vector<std::size_t>& isovalues)
+{
+  const std::string ending = FindEnding(options.Output);
+  if (dropped > 0)
+  {
+    std::fprintf(stderr,
+      "edgeindex: warning: %s: %llu triangles with a point that is not a number are left out\n",
+      options.Output.c_str(), static_cast<unsigned long long>(dropped));
+  }
+  if (!options.IsQuiet && isovalues.size() > 1 && (ending == ".stl" || ending == ".ply"))
+  {
+    std::fprintf(stderr,
+      "edgeindex: %s: has the surfaces of %zu isovalues, which %s files cannot tell apart; "
+      "--isovalue takes one\n",
+      options.Output.c_str(), isovalues.size(), ending.c_str());
+  }
+}
+
+/// The numbers of the isovalues to decode.
+Result<std::vector<std::size_t>> FindIsovalues(
+  const EdgeIndexHeader& header, const EdgeIndexOptions& options)
+{
+  std::vector<std::size_t> found;
+  for (std::size_t n = 0; n < header.Isovalues.size(); ++n)
+  {
+    if (!options.Isovalue || header.Isovalues[n] == *options.Isovalue)
+    {
+      found.push_back(n);
+    }
+  }
+  return found.empty() && options.Isovalue
+    ? Result<std::vector<std::size_t>>(Status(StatusCode::InvalidArgument,
+        options.Input + ": has no such isovalue as --isovalue; edgeindex info lists them"))
+    : found;
+}
+
+Result<Surface> ReadSurface(const EdgeIndexFile& file, const EdgeIndexOptions& options,
+  const std::vector<std::size_t>& isovalues, int threads)
 {
   EdgeIndexSelection selection;
+  selection.Isovalues = isovalues;
   selection.Preview = options.IsPreview;
   ContourRequest request;
   request.GlobalIds = true;
@@ -143,10 +194,12 @@ std::vector<InterpolatedArray> ListArrays(const EdgeIndexHeader& header, bool is
 }
 
 /// Decodes the surface as a whole, and writes it with VTK if there is a file to write.
-Status DecodeAtOnce(const EdgeIndexFile& file, const EdgeIndexOptions& options, int threads)
+Status DecodeAtOnce(const EdgeIndexFile& file, const EdgeIndexOptions& options,
+  const std::vector<std::size_t>& isovalues, int threads)
 {
-  auto surface = ReadSurface(file, options, threads);
+  auto surface = ReadSurface(file, options, isovalues, threads);
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  const std::size_t dropped = options.Output.empty() ? 0 : KeepFiniteTriangles(threads, *surface);
   PrintCounts(options, surface->NumberOfPoints, surface->NumberOfTriangles, surface->TotalSeconds);
   if (options.Output.empty())
   {
@@ -159,13 +212,15 @@ Status DecodeAtOnce(const EdgeIndexFile& file, const EdgeIndexOptions& options, 
   vtkNew<vtkPolyData> polyData;
   MoveToPolyData(
     *surface, ListArrays(file.GetHeader(), options.IsPreview), file.GetHeader().Array, polyData);
-  const bool isObj = FindEnding(options.Output) == ".obj";
-  return WriteInOneStep(
-    options.Output, [&](const std::string& path) { return WritePolyData(polyData, path, isObj); });
+  ISOSURFACE_RETURN_IF_ERROR(WriteInOneStep(
+    options.Output, [&](const std::string& path) { return WritePolyData(polyData, path); }));
+  WarnOfWritten(options, dropped, isovalues);
+  return Status::Ok();
 }
 
 /// Decodes and writes the surface piece by piece.
-Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options, int threads)
+Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options,
+  const std::vector<std::size_t>& isovalues, int threads)
 {
   MeshWriteJob::Settings settings;
   settings.NumberOfTriangles = options.NumberOfTriangles;
@@ -173,6 +228,8 @@ Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options,
   settings.Threads = threads;
   settings.IsPreview = options.IsPreview;
   settings.IsCompressed = options.IsCompressed;
+  settings.UnitInMetres = options.UnitInMetres;
+  settings.Isovalues = isovalues;
   MeshWriteJob job(file, settings);
   ProgressDisplay display(file.GetPath(), static_cast<double>(file.GetSize()), !options.IsQuiet);
   const auto write = [&](const std::string& partial)
@@ -182,6 +239,7 @@ Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options,
   };
   ISOSURFACE_RETURN_IF_ERROR(WriteInOneStep(options.Output, write));
   PrintCounts(options, job.GetNumberOfPoints(), job.GetNumberOfTriangles(), display.GetSeconds());
+  WarnOfWritten(options, job.GetNumberOfDroppedTriangles(), isovalues);
   return Status::Ok();
 }
 
@@ -214,8 +272,10 @@ Status RunEdgeIndexDecode(const EdgeIndexOptions& options)
     std::fprintf(stderr, "edgeindex: warning: %s\n", (*file)->GetMissing().c_str());
   }
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
-  return MeshFile::Knows(options.Output) ? WriteMeshFile(**file, options, threads)
-                                         : DecodeAtOnce(**file, options, threads);
+  const auto isovalues = FindIsovalues((*file)->GetHeader(), options);
+  ISOSURFACE_RETURN_IF_ERROR(isovalues.GetStatus());
+  return MeshFile::Knows(options.Output) ? WriteMeshFile(**file, options, *isovalues, threads)
+                                         : DecodeAtOnce(**file, options, *isovalues, threads);
 }
 
 } // namespace isosurface

@@ -61,8 +61,8 @@ int main(int argc, char** argv)
   }
   catch (const std::bad_alloc&)
   {
-    return Fail("out of memory; .ply, .stl and .glb take less than .vtp and .obj, with a smaller "
-                "--memory still less");
+    return Fail("out of memory; all formats take less than .vtp, with a smaller --memory still "
+                "less");
   }
   catch (const std::exception& error)
   {

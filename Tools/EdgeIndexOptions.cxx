@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <map>
+
 namespace isosurface
 {
 namespace
@@ -13,9 +15,9 @@ constexpr const char* Description =
 
 constexpr const char* Footer = R"(Formats of OUT, by its file extension:
   .ply .stl           binary
-  .glb                binary glTF 2.0, a mesh for each isovalue
+  .glb                binary glTF 2.0, a mesh for each isovalue, in metres and with y up
+  .obj                text, a group for each isovalue
   .vtp                with GlobalIds, isovalues, arrays and normals
-  .obj                text
 
 Examples:
   edgeindex info skull.eix --json
@@ -25,9 +27,9 @@ Examples:
   edgeindex decode skull.eix skull.glb --triangles 2e6 --compress
 
 The triangles of all blocks share their points, so the surface is watertight. (In .stl and .glb, points in
-one place have equal coordinates.) .ply, .stl and .glb are written piece by piece within --memory, however
-large the surface; .vtp and .obj need memory for all of it. Of a truncated file the
-complete blocks are decoded, with a warning. Exit status: 0 for success, 1 for an error or a fault
+one place have equal coordinates.) All but .vtp are written piece by piece within --memory, however large
+the surface; .vtp needs memory for all of it. Triangles with a point that is not a number are left out. Of a
+truncated file the complete blocks are decoded, with a warning. Exit status: 0 for success, 1 for an error or a fault
 found, 130 if the command was interrupted. OUT appears in one step at the end.)";
 
 } // namespace
@@ -61,9 +63,17 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
       { return text.find_first_of("nN") == std::string::npos ? "" : text + " is not a number"; });
   decode->add_flag(
     "--compress", options.IsCompressed, "Of a .glb: by meshoptimizer, with normals of 8 bits");
+  decode->add_option(
+    "--isovalue", options.Isovalue, "Only the surface of this isovalue of the file");
+  std::string unit = "mm";
   decode
-    ->add_option("--memory", options.MemoryMebibytes,
-      "MiB to use for .ply, .stl and .glb; a row of blocks must fit")
+    ->add_option("--unit", unit,
+      "Of a .glb, which is in metres: the unit of the volume's spacing, m, cm, mm, um or nm")
+    ->check(CLI::IsMember({ "m", "cm", "mm", "um", "nm" }))
+    ->capture_default_str();
+  decode
+    ->add_option(
+      "--memory", options.MemoryMebibytes, "MiB to use, but for .vtp; a row of blocks must fit")
     ->check(CLI::Range(std::uint64_t{ 1 }, std::uint64_t{ 1 } << 30))
     ->capture_default_str();
   for (CLI::App* command : { verify, decode })
@@ -90,6 +100,8 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
   {
     return Status(StatusCode::InvalidArgument, std::string(error.what()) + " (--help tells more)");
   }
+  options.UnitInMetres = std::map<std::string, double>{ { "m", 1 }, { "cm", 1e-2 }, { "mm", 1e-3 },
+    { "um", 1e-6 }, { "nm", 1e-9 } }[unit];
   options.NumberOfTriangles = static_cast<std::uint64_t>(triangles);
   options.What = info->parsed() ? Command::Info
     : verify->parsed()          ? Command::Verify

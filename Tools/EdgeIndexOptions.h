@@ -5,6 +5,7 @@
 #include "Ground/Base/Status.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace isosurface
@@ -29,6 +30,8 @@ struct EdgeIndexOptions
   bool IsJson = false;
   bool IsPreview = false;
   bool IsCompressed = false;           ///< .glb
+  std::optional<double> Isovalue;      ///< only this one
+  double UnitInMetres = 0.001;         ///< .glb: of the points
   std::uint64_t NumberOfTriangles = 0; ///< about so many; 0: all
   std::uint64_t MemoryMebibytes = 1024;
   int Threads = 0; ///< 0: all cores

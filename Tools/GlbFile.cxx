@@ -5,6 +5,7 @@
 #include "Ground/Base/Coding.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -36,6 +37,75 @@ std::size_t FindJsonBytes(const EdgeIndexHeader& header, std::size_t meshes)
   return 4 * ((2048 + header.Isovalues.size() * (name + 256) + meshes * 2048) / 4);
 }
 
+/// Makes a vector one of unit length. Returns whether it has a direction.
+bool Normalize(float* vector)
+{
+  const auto x = static_cast<double>(vector[0]);
+  const auto y = static_cast<double>(vector[1]);
+  const auto z = static_cast<double>(vector[2]);
+  const double length = std::hypot(x, y, z);
+  if (!std::isfinite(length) || length == 0)
+  {
+    return false;
+  }
+  vector[0] = static_cast<float>(x / length);
+  vector[1] = static_cast<float>(y / length);
+  vector[2] = static_cast<float>(z / length);
+  return true;
+}
+
+/// For each point the mean direction of its triangles, by their areas; along z if they have none.
+std::vector<float> ComputeNormals(const Mesh& mesh)
+{
+  std::vector<float> normals(3 * mesh.NumberOfPoints, 0.0F);
+  for (std::size_t triangle = 0; triangle < mesh.NumberOfTriangles; ++triangle)
+  {
+    const std::uint32_t* corners = mesh.Corners + 3 * triangle;
+    const float* points[3];
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      points[corner] = mesh.Points + std::size_t{ 3 } * corners[corner];
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const std::size_t u = (axis + 1) % 3;
+      const std::size_t v = (axis + 2) % 3;
+      const float normal = (points[1][u] - points[0][u]) * (points[2][v] - points[0][v]) -
+        (points[1][v] - points[0][v]) * (points[2][u] - points[0][u]);
+      for (std::size_t corner = 0; corner < 3; ++corner)
+      {
+        normals[std::size_t{ 3 } * corners[corner] + axis] += normal;
+      }
+    }
+  }
+  for (std::size_t point = 0; point < mesh.NumberOfPoints; ++point)
+  {
+    float* normal = normals.data() + 3 * point;
+    if (!Normalize(normal))
+    {
+      normal[0] = normal[1] = 0;
+      normal[2] = 1;
+    }
+  }
+  return normals;
+}
+
+/// The mesh's normals, with unit length.
+std::vector<float> MakeUnitNormals(const Mesh& mesh)
+{
+  std::vector<float> normals(mesh.Normals, mesh.Normals + 3 * mesh.NumberOfPoints);
+  std::vector<float> ofTriangles;
+  for (std::size_t point = 0; point < mesh.NumberOfPoints; ++point)
+  {
+    if (!Normalize(normals.data() + 3 * point))
+    {
+      ofTriangles = ofTriangles.empty() ? ComputeNormals(mesh) : std::move(ofTriangles);
+      std::copy_n(ofTriangles.data() + 3 * point, 3, normals.data() + 3 * point);
+    }
+  }
+  return normals;
+}
+
 } // namespace
 
 GlbFile::GlbFile(
@@ -44,6 +114,7 @@ GlbFile::GlbFile(
   , Header(header)
   , HasNormals(settings.HasNormals)
   , IsCompressed(settings.IsCompressed)
+  , UnitInMetres(settings.UnitInMetres)
   , JsonBytes(FindJsonBytes(header, settings.MostMeshes))
   , BinaryStart(HeaderSize + ChunkHeaderSize + this->JsonBytes + ChunkHeaderSize)
   , Primitives(header.Isovalues.size(), Json::array())
@@ -180,8 +251,15 @@ Status GlbFile::AppendCompressed(const Mesh& mesh)
   return Status::Ok();
 }
 
-Status GlbFile::Append(const Mesh& mesh, const PointNumbers&)
+Status GlbFile::Append(const Mesh& given, const PointNumbers&)
 {
+  Mesh mesh = given;
+  std::vector<float> normals;
+  if (this->HasNormals)
+  {
+    normals = MakeUnitNormals(given);
+    mesh.Normals = normals.data();
+  }
   ISOSURFACE_RETURN_IF_ERROR(
     this->IsCompressed ? this->AppendCompressed(mesh) : this->AppendPlain(mesh));
   this->AddPrimitive(mesh.Isovalue);
@@ -195,7 +273,10 @@ std::string GlbFile::MakeJson() const
     Json::object({ { "version", "2.0" }, { "generator", "ScalableIsosurface edgeindex" } });
   json["scene"] = 0;
   Json numbers = Json::array();
-  Json nodes = Json::array();
+  // x stays, z becomes y, y becomes -z.
+  const double unit = this->UnitInMetres;
+  Json nodes = Json::array({ Json::object({ { "name", "isosurfaces, z up" },
+    { "matrix", { unit, 0, 0, 0, 0, 0, -unit, 0, 0, unit, 0, 0, 0, 0, 0, 1 } } }) });
   Json meshes = Json::array();
   for (std::size_t isovalue = 0; isovalue < this->Primitives.size(); ++isovalue)
   {
@@ -208,7 +289,8 @@ std::string GlbFile::MakeJson() const
       meshes.push_back(Json::object({ { "primitives", this->Primitives[isovalue] } }));
     }
   }
-  json["scenes"] = Json::array({ Json::object({ { "nodes", numbers } }) });
+  nodes[0]["children"] = numbers;
+  json["scenes"] = Json::array({ Json::object({ { "nodes", { 0 } } }) });
   json["nodes"] = nodes;
   json["meshes"] = meshes;
   // Surfaces are open where the volume ends: both sides are seen.

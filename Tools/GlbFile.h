@@ -16,6 +16,10 @@ namespace isosurface
  * are in both, with equal coordinates. The JSON chunk comes before the samples and is known at the
  * end: it has room that is filled with blanks.
  *
+ * glTF is in metres, with y up. So a node turns the isovalues' nodes, whose z is up, and scales them
+ * from the unit of the points. Normals get unit length; where there is none, they are those of the
+ * triangles.
+ *
  * Compressed (EXT_meshopt_compression, KHR_mesh_quantization): points are exact, normals have 8 bits
  * in an octahedron, triangles come in another order.
  */
@@ -25,7 +29,6 @@ public:
   static Result<std::unique_ptr<MeshFile>> Create(
     std::unique_ptr<WritableFile> file, const EdgeIndexHeader& header, const Settings& settings);
 
-  bool HoldsAnyValue() const override { return false; }
   Status Append(const Mesh& mesh, const PointNumbers& numbers) override;
   Status Finish() override;
 
@@ -62,6 +65,7 @@ private:
   const EdgeIndexHeader& Header;
   bool HasNormals;
   bool IsCompressed;
+  double UnitInMetres;
   std::size_t JsonBytes;
   std::uint64_t BinaryStart;
   std::uint64_t PlainBytes = 0; ///< of the views, if nothing were compressed

@@ -34,6 +34,7 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step
   volume.Lines = std::move(file->Lines);
   volume.Arrays = *arrays;
   volume.LeftOut = file->LeftOut;
+  volume.Files = std::move(file->Files);
   volume.Times = file->Times;
   if (step < file->Times.size())
   {

@@ -2,6 +2,7 @@
 #include "MeshFile.h"
 
 #include "GlbFile.h"
+#include "ObjFile.h"
 #include "PlyFile.h"
 #include "StlFile.h"
 
@@ -20,7 +21,8 @@ bool EndsIn(const std::string& path, const std::string& ending)
 
 bool MeshFile::Knows(const std::string& path)
 {
-  return EndsIn(path, ".stl") || EndsIn(path, ".ply") || EndsIn(path, ".glb");
+  return EndsIn(path, ".stl") || EndsIn(path, ".ply") || EndsIn(path, ".glb") ||
+    EndsIn(path, ".obj");
 }
 
 std::uint64_t MeshFile::EstimateBytes(const Settings& settings)
@@ -29,6 +31,10 @@ std::uint64_t MeshFile::EstimateBytes(const Settings& settings)
   if (EndsIn(settings.Path, ".stl"))
   {
     return StlFile::TriangleSize * settings.Triangles;
+  }
+  if (EndsIn(settings.Path, ".obj"))
+  {
+    return ObjFile::EstimateBytes(settings);
   }
   const std::uint64_t pointBytes = (settings.HasNormals ? 6 : 3) * sizeof(float);
   return pointBytes * settings.Points + cornersBytes * settings.Triangles +
@@ -75,6 +81,10 @@ Result<std::unique_ptr<MeshFile>> MeshFile::Create(
   if (EndsIn(settings.Path, ".ply"))
   {
     return PlyFile::Create(files, std::move(*file), settings);
+  }
+  if (EndsIn(settings.Path, ".obj"))
+  {
+    return ObjFile::Create(std::move(*file), header, settings);
   }
   return GlbFile::Create(std::move(*file), header, settings);
 }

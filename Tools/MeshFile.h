@@ -15,7 +15,8 @@
 namespace isosurface
 {
 
-/// The triangles of one isovalue in a piece of a surface. The arrays are the caller's.
+/// The triangles of one isovalue in a piece of a surface. The arrays are the caller's. Points are
+/// finite; normals may be of any length, and not numbers.
 struct Mesh
 {
   const float* Points = nullptr;           ///< x, y, z in the world
@@ -46,6 +47,7 @@ public:
     std::size_t MostMeshes = 0;  ///< that will be appended
     bool HasNormals = false;     ///< every mesh has them
     bool IsCompressed = false;   ///< only of .glb
+    double UnitInMetres = 0.001; ///< of the points; for .glb
     std::uint64_t Points = 0;    ///< about how many will be appended
     std::uint64_t Triangles = 0; ///< likewise
   };
@@ -54,15 +56,13 @@ public:
   static std::uint64_t EstimateBytes(const Settings& settings);
   /// Unsupported if the format certainly has no room for so many points and triangles.
   static Status CheckLimits(const Settings& settings);
-  /// A file of the format: .stl, .ply or .glb. `header` must outlive it.
+  /// A file of the format: .stl, .ply, .glb or .obj. `header` must outlive it.
   static Result<std::unique_ptr<MeshFile>> Create(
     FileSystem& files, const EdgeIndexHeader& header, const Settings& settings);
   /// Whether Create() knows the format.
   static bool Knows(const std::string& path);
 
   virtual ~MeshFile() = default;
-  /// Whether points may be infinite, or not a number.
-  virtual bool HoldsAnyValue() const { return true; }
   /// Errors: IoError, DiskFull; Unsupported if the format cannot hold as much.
   virtual Status Append(const Mesh& mesh, const PointNumbers& numbers) = 0;
   /// Writes what is known only at the end, then closes.

@@ -2,9 +2,9 @@
 #include "MeshWriteJob.h"
 
 #include "SimplifiedMesh.h"
+#include "Surface/Islands/IslandKeeping.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 namespace isosurface
@@ -25,12 +25,6 @@ bool HasNormalsOf(const EdgeIndexHeader& header)
 {
   return std::any_of(header.Attributes.begin(), header.Attributes.end(),
     [](const EdgeIndexAttribute& attribute) { return attribute.IsNormals; });
-}
-
-bool AreNumbers(const Mesh& mesh)
-{
-  return std::all_of(mesh.Points, mesh.Points + 3 * mesh.NumberOfPoints,
-    [](float value) { return std::isfinite(value); });
 }
 
 } // namespace
@@ -73,6 +67,7 @@ Status MeshWriteJob::Write(
   settings.MostMeshes = pieces.size() * header.Isovalues.size();
   settings.HasNormals = this->HasNormals;
   settings.IsCompressed = this->Chosen.IsCompressed;
+  settings.UnitInMetres = this->Chosen.UnitInMetres;
   // A closed surface has two triangles a point.
   const std::uint64_t kept = this->Chosen.NumberOfTriangles;
   settings.Triangles = kept > 0 ? std::min(kept, 2 * this->PointsInAll) : 2 * this->PointsInAll;
@@ -105,6 +100,7 @@ Status MeshWriteJob::WritePiece(
 {
   EdgeIndexSelection selection;
   selection.Preview = this->Chosen.IsPreview;
+  selection.Isovalues = this->Chosen.Isovalues;
   if (!this->Chosen.IsPreview)
   {
     selection.Box = piece.Box;
@@ -112,8 +108,9 @@ Status MeshWriteJob::WritePiece(
   ContourRequest request;
   request.GlobalIds = true;
   request.Normals = this->HasNormals;
-  const auto surface = this->File.Read(selection, request, this->Chosen.Threads, progress);
+  auto surface = this->File.Read(selection, request, this->Chosen.Threads, progress);
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  this->NumberOfDroppedTriangles += KeepFiniteTriangles(this->Chosen.Threads, *surface);
   this->Shared.Begin(piece);
   // A piece has the share of the triangles that it has of the points.
   const bool isSimplified = this->Chosen.NumberOfTriangles > 0;
@@ -138,7 +135,7 @@ Status MeshWriteJob::WritePiece(
     mesh.NumberOfPoints = part.NumberOfPoints;
     mesh.Corners = corners.data();
     mesh.NumberOfTriangles = part.NumberOfCells;
-    mesh.Isovalue = isovalue;
+    mesh.Isovalue = this->Chosen.Isovalues.empty() ? isovalue : this->Chosen.Isovalues[isovalue];
     if (part.NumberOfCells > 0)
     {
       const auto aim = static_cast<std::size_t>(aimOfPiece *
@@ -152,8 +149,7 @@ Status MeshWriteJob::WritePiece(
 
 Status MeshWriteJob::WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output)
 {
-  const bool isSimplified = triangles < mesh.NumberOfTriangles;
-  if (!isSimplified && (output.HoldsAnyValue() || AreNumbers(mesh)))
+  if (triangles >= mesh.NumberOfTriangles)
   {
     this->NumberOfTriangles += mesh.NumberOfTriangles;
     return output.Append(mesh, this->Shared.Number(mesh));

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
@@ -24,6 +25,8 @@ public:
     int Threads = 1;
     bool IsPreview = false;
     bool IsCompressed = false;
+    double UnitInMetres = 0.001;        ///< the unit of the points; of .glb
+    std::vector<std::size_t> Isovalues; ///< numbers of those to write; none: all
   };
 
   /// `file` must outlive the job.
@@ -35,6 +38,8 @@ public:
 
   std::uint64_t GetNumberOfPoints() const { return this->Shared.GetNumberOfPoints(); }
   std::uint64_t GetNumberOfTriangles() const { return this->NumberOfTriangles; }
+  /// Those with a point that is not finite.
+  std::uint64_t GetNumberOfDroppedTriangles() const { return this->NumberOfDroppedTriangles; }
 
 private:
   std::vector<SurfacePiece> FindPieces() const;
@@ -48,6 +53,7 @@ private:
   std::uint64_t PointsInAll = 0; ///< as the directory counts them
   SharedPoints Shared;
   std::uint64_t NumberOfTriangles = 0;
+  std::uint64_t NumberOfDroppedTriangles = 0;
 };
 
 } // namespace isosurface

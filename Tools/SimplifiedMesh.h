@@ -11,16 +11,12 @@
 namespace isosurface
 {
 
-/**
- * A mesh of fewer triangles, which keeps points of the first one (meshoptimizer, quadric error
- * metric). Points at open sides stay, so that pieces still meet. Triangles with a point that is not a
- * number are left out.
- */
+/// A mesh of fewer triangles, which keeps points of the first one, its topology, and the points at open
+/// sides, so that pieces still meet; see CollapseEdges.
 class SimplifiedMesh
 {
 public:
-  /// `triangles`: the aim; there are more where open sides or the topology demand it. At least all of
-  /// the mesh: only triangles that are not numbers, and points without triangles, are left out.
+  /// `triangles`: the aim; there are more where open sides or the topology demand it.
   SimplifiedMesh(const Mesh& mesh, std::size_t triangles);
 
   /// Refers to arrays of this object.

@@ -6,6 +6,8 @@
 #include "Sandbox.h"
 
 #include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Base/OutputCheck.h"
+#include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/ChunkedSource.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
@@ -52,6 +54,18 @@ Result<std::optional<SourceRecord>> PrepareInput(
     options.Output, options.Input, inPlace.value_or(wanted), volume.Grid, volume.Arrays,
     { options.Settings.MemoryLimit / 4, threads, {} }));
   return inPlace;
+}
+
+/// What is written must not be what is read.
+Status CheckOutput(const BlockVolumeOptions& options, const InputVolume& volume)
+{
+  ISOSURFACE_RETURN_IF_ERROR(
+    CheckIsOther(options.Output, VolumeName::Parse(GetLocalFileSystem(), options.Input).Path));
+  for (const std::string& file : volume.Files)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(CheckIsOther(options.Output, file));
+  }
+  return Status::Ok();
 }
 
 /// What was written of a volume.
@@ -122,8 +136,9 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
   const std::size_t steps =
     options.Step || !volume.IsOk() ? 1 : std::max<std::size_t>(1, volume->Times.size());
   // So many steps are written, each by all ranks.
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(volume.GetStatus(),
-    { { steps, options.Input + ": the ranks see different numbers of time steps" } }));
+  ISOSURFACE_RETURN_IF_ERROR(
+    ranks.Agree(volume.IsOk() ? CheckOutput(options, *volume) : volume.GetStatus(),
+      { { steps, options.Input + ": the ranks see different numbers of time steps" } }));
   if (ranks.GetRank() == 0 && !options.IsQuiet && !volume->LeftOut.empty())
   {
     std::fprintf(stderr, "blockvolume: %s: %s\n", options.Input.c_str(), volume->LeftOut.c_str());
@@ -143,7 +158,8 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
   for (std::size_t step = first + 1; step < first + steps; ++step)
   {
     auto more = InputVolume::Open(next, step);
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(more.GetStatus()));
+    ISOSURFACE_RETURN_IF_ERROR(
+      ranks.Agree(more.IsOk() ? CheckOutput(options, *more) : more.GetStatus()));
     next.Settings.Publish = step + 1 == first + steps;
     ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*more), step, ranks, writer));
   }

@@ -19,6 +19,8 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/OutputCheck.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <cmath>
@@ -312,6 +314,8 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
   blocks.Normals = this->Writer.WriteNormals && this->Contour->GetComputeNormals();
   ISOSURFACE_RETURN_IF_ERROR(isosurface::CollectContourBlocks(
     this->Contour, this->Ranks.GetRank(), this->Ranks.GetSize(), time, blocks));
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
+    blocks.Volume ? isosurface::CheckIsOther(path, blocks.Volume->GetPath()) : Status::Ok()));
   const Result<EdgeIndexHeader> header = this->MakeHeader(blocks);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, *header,

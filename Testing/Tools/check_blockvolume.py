@@ -438,6 +438,28 @@ class ErrorsAreOneLine(Case):
             self.check(f"{name}: ", "--info", name)
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol")))
 
+    def test_output_that_is_the_input(self):
+        with open(os.path.join(INPUTS, "a.raw"), "rb") as file:
+            samples = file.read()
+        raw = os.path.join(SCRATCH, "raw.bvol")
+        with open(raw, "wb") as file:
+            file.write(samples)
+        os.link(raw, os.path.join(SCRATCH, "hard.bvol"))
+        os.symlink("raw.bvol", os.path.join(SCRATCH, "soft.bvol"))
+        with open(os.path.join(INPUTS, "a.mhd"), encoding="ascii") as header:
+            text = header.read()
+        self.assertIn("a.raw", text)
+        with open(os.path.join(SCRATCH, "header.mhd"), "w", encoding="ascii") as header:
+            header.write(text.replace("a.raw", "raw.bvol"))
+        options = ["--dimensions", "70,67,150", "--type", "int16"]
+        for output in ("raw.bvol", "./raw.bvol", raw, "hard.bvol", "soft.bvol"):
+            for ranks in (1, 2):
+                self.check(f"{output}: is the ", "raw.bvol", output, *options, ranks=ranks)
+            self.check(f"{output}: is the ", "header.mhd", output)
+        self.check("raw.bvol: is the ", "soft.bvol", "raw.bvol", *options)
+        with open(raw, "rb") as file:
+            self.assertEqual(file.read(), samples)
+
     def test_output_that_cannot_be_written(self):
         path = self.write(os.path.join(INPUTS, "a.mhd"), "o.bvol")
         raw = os.path.join(SCRATCH, "a_70x67x150_int16.raw")

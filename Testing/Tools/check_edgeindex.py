@@ -11,7 +11,10 @@ import fcntl
 import json
 import math
 import os
+import re
+import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -19,10 +22,13 @@ import unittest
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Readers"))
+from read_edge_index import EdgeIndexFile  # noqa: E402  (found in a folder beside this one)
 from read_interval_tree import hash64  # noqa: E402  (found in a folder beside this one)
 from time_limits import WAIT_SECONDS  # noqa: E402  (found in the folder above)
 
 TOOL, FILES, SCRATCH, CLAIM = sys.argv[1:5]
+# Its points are not all numbers; nor are its normals, some of which have length 0.
+NOT_NUMBERS = "not-numbers.eix"
 NAMES = sorted(name for name in os.listdir(FILES) if name.endswith(".eix"))
 
 
@@ -32,6 +38,22 @@ def run(*arguments):
         [TOOL, *arguments], capture_output=True, text=True, cwd=SCRATCH, timeout=WAIT_SECONDS
     )
     return result.returncode, result.stdout, result.stderr
+
+
+def run_limited(size, *arguments):
+    """The same where no file may have more bytes, as on a full disk."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    result = subprocess.run([TOOL, *arguments], capture_output=True, text=True, cwd=SCRATCH,
+                            timeout=WAIT_SECONDS, preexec_fn=limit)
+    return result.returncode, result.stdout, result.stderr
+
+
+def is_as_told(name, err):
+    """Whether a run without a summary says what is left out, and nothing else."""
+    told = r"edgeindex: warning: \S+: \d+ triangles with a point that is not a number are left out\n"
+    return re.fullmatch(told if name == NOT_NUMBERS else "", err)
 
 
 def golden(name):
@@ -85,6 +107,13 @@ def read_ply_points(path):
         header, body = file.read().split(b"end_header\n", 1)
     values = header.count(b"property float ")
     return [struct.unpack_from("<3f", body, 4 * values * n) for n in range(points)], cells
+
+
+def read_obj_points(path):
+    """Coordinates of the points, and triangles."""
+    with open(path) as file:
+        lines = [line.split() for line in file]
+    return [tuple(map(float, line[1:])) for line in lines if line[0] == "v"], read_obj(path)[1]
 
 
 def read_stl_points(path):
@@ -146,7 +175,8 @@ class Glb:
     def triangles(self):
         """The corners of each triangle, as coordinates, of all meshes."""
         found = []
-        for node in self.json["scenes"][0]["nodes"]:
+        root, = self.json["scenes"][0]["nodes"]
+        for node in self.json["nodes"][root]["children"]:
             for part in self.json["meshes"][self.json["nodes"][node]["mesh"]]["primitives"]:
                 points = self.read(part["attributes"]["POSITION"])
                 corners = [value for (value,) in self.read(part["indices"])]
@@ -155,16 +185,16 @@ class Glb:
         return found
 
     def count_normals(self):
-        """Points with a normal, all of which must have unit length, or nearly, or be 0."""
+        """Points with a normal, all of which must have unit length, or nearly where they have 8 bits."""
         count = 0
         for mesh in self.json["meshes"]:
             for part in mesh["primitives"]:
                 if "NORMAL" in part["attributes"]:
                     accessor = self.json["accessors"][part["attributes"]["NORMAL"]]
-                    unit = 127 if accessor["componentType"] == 5120 else 1
+                    unit, error = (127, 0.03) if accessor["componentType"] == 5120 else (1, 1e-6)
                     for normal in self.read(part["attributes"]["NORMAL"]):
                         length = sum(value * value for value in normal) ** 0.5 / unit
-                        assert length == 0 or 0.97 < length < 1.03, normal
+                        assert abs(length - 1) < error, normal
                         count += 1
         return count
 
@@ -373,12 +403,11 @@ class PiecesAreOneSurface(unittest.TestCase):
                 for memory in ("1", "1024"):
                     code, _, err = run("decode", golden(name), memory + ".ply", "--memory", memory,
                                        "--quiet")
-                    self.assertEqual((code, err), (0, ""))
+                    self.assertEqual(code, 0, err)
+                    self.assertTrue(is_as_told(name, err), err)
                 some, cells = read_ply_points(scratch("1.ply"))
                 points, all_cells = read_ply_points(scratch("1024.ply"))
                 self.assertEqual(len(cells), len(all_cells))
-                # What is not a number is not equal to itself; its text is.
-                some, points = ([tuple(map(str, one)) for one in found] for found in (some, points))
                 self.assertEqual(collections.Counter(some), collections.Counter(points))
                 self.assertEqual(count_triangles(tuple(some[n] for n in cell) for cell in cells),
                                  count_triangles(tuple(points[n] for n in cell) for cell in all_cells))
@@ -392,12 +421,11 @@ class PiecesAreOneSurface(unittest.TestCase):
                     for output in (["o.ply"], ["o.stl"], ["o.glb"], ["c.glb", "--compress"]):
                         code, _, err = run("decode", golden(name), *output, "--memory", memory,
                                            "--quiet")
-                        self.assertEqual((code, err), (0, ""))
+                        self.assertEqual(code, 0, err)
+                        self.assertTrue(is_as_told(name, err), err)
                     points, cells = read_ply_points(scratch("o.ply"))
-                    expected = [tuple(points[n] for n in cell) for cell in cells]
-                    expected = count_triangles(filter(are_numbers, expected))
-                    stl = filter(are_numbers, read_stl_points(scratch("o.stl")))
-                    self.assertEqual(count_triangles(stl), expected)
+                    expected = count_triangles(tuple(points[n] for n in cell) for cell in cells)
+                    self.assertEqual(count_triangles(read_stl_points(scratch("o.stl"))), expected)
                     plain = Glb(scratch("o.glb"))
                     self.assertEqual(count_triangles(plain.triangles()), expected)
                     compressed = Glb(scratch("c.glb"))
@@ -405,6 +433,18 @@ class PiecesAreOneSurface(unittest.TestCase):
                     self.assertLessEqual(compressed.count_normals(), plain.count_normals())
                     normals += compressed.count_normals()
         self.assertGreater(normals, 0)
+
+    def test_obj_has_the_points_and_triangles_of_ply(self):
+        for name in NAMES:
+            with self.subTest(name=name):
+                for output in ("o.ply", "o.obj"):
+                    code, _, err = run("decode", golden(name), output, "--memory", "1", "--quiet")
+                    self.assertEqual(code, 0, err)
+                points, cells = read_ply_points(scratch("o.ply"))
+                found, same = read_obj_points(scratch("o.obj"))
+                self.assertEqual([struct.pack("<3f", *point) for point in found],
+                                 [struct.pack("<3f", *point) for point in points])
+                self.assertEqual(cells, same)
 
     def test_another_reader_of_gltf(self):
         from vtkmodules.vtkIOGeometry import vtkGLTFReader
@@ -434,6 +474,26 @@ class PiecesAreOneSurface(unittest.TestCase):
                     self.assertLess({p for one in few for p in one}, {p for one in every for p in one})
                     self.assertEqual(self.count_border_points(few), self.count_border_points(every))
 
+    def test_fewer_triangles_are_a_manifold_with_the_same_open_sides(self):
+        for name in ("lossless-int16.eix", "lossless-float32.eix"):
+            for memory in ("1", "1024"):
+                with self.subTest(name=name, memory=memory):
+                    for options in ([], ["--triangles", "100"]):
+                        output = f"{len(options)}.ply"
+                        code, _, err = run("decode", golden(name), output, "--memory", memory, *options)
+                        self.assertEqual(code, 0, err)
+                    every, few = (self.count_sides(scratch(f"{n}.ply")) for n in (0, 2))
+                    self.assertLess(len(few), 0.7 * len(every))
+                    self.assertEqual(max(few.values()), 2)
+                    self.assertEqual(*(list(sides.values()).count(1) for sides in (every, few)))
+
+    def count_sides(self, path):
+        """How many triangles have each side."""
+        sides = collections.Counter()
+        for cell in read_ply(path)[1]:
+            sides.update(frozenset((cell[n - 1], cell[n])) for n in range(3))
+        return sides
+
     def read(self, path):
         if path.endswith(".ply"):
             points, cells = read_ply_points(path)
@@ -446,6 +506,94 @@ class PiecesAreOneSurface(unittest.TestCase):
             for n in range(3):
                 sides[one[n], one[(n + 1) % 3]] += 1
         return len({p for a, b in sides if a != b and (b, a) not in sides for p in (a, b)})
+
+
+class ExportsAreForOtherPrograms(unittest.TestCase):
+    def list_finite(self):
+        """The triangles of the file whose points are numbers, by the second reader."""
+        surface = EdgeIndexFile(golden(NOT_NUMBERS)).read_surface()
+        points = {where: struct.unpack("<3f", struct.pack("<3f", *surface.grid.place(point)))
+                  for where, point in surface.points.items()}
+        every = [tuple(points[corner] for corner in triangle) for triangle in surface.triangles]
+        finite = [one for one in every if are_numbers(one)]
+        self.assertLess(100, len(finite))
+        self.assertLess(len(finite), len(every))
+        return count_triangles(finite), len(every) - len(finite)
+
+    def test_points_that_are_not_numbers_are_left_out_and_counted(self):
+        expected, dropped = self.list_finite()
+        for ending in ("ply", "stl", "obj", "glb", "vtp"):
+            with self.subTest(ending=ending):
+                code, out, err = run("decode", golden(NOT_NUMBERS), "o." + ending)
+                self.assertEqual(code, 0, err)
+                self.assertIn(f" {dropped} triangles with a point that is not a number", err)
+                self.assertIn(f" {sum(expected.values())} triangles", out)
+                found = self.read(scratch("o." + ending))
+                self.assertEqual(count_triangles(found), expected)
+
+    def read(self, path):
+        if path.endswith((".ply", ".obj")):
+            points, cells = (read_ply_points if path.endswith(".ply") else read_obj_points)(path)
+            self.assertEqual({n for cell in cells for n in cell}, set(range(len(points))))
+            points = [struct.unpack("<3f", struct.pack("<3f", *point)) for point in points]
+            return [tuple(points[n] for n in cell) for cell in cells]
+        if path.endswith(".vtp"):
+            from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+            reader = vtkXMLPolyDataReader()
+            reader.SetFileName(path)
+            reader.Update()
+            surface = reader.GetOutput()
+            return [tuple(surface.GetPoint(surface.GetCell(n).GetPointId(corner)) for corner in range(3))
+                    for n in range(surface.GetNumberOfCells())]
+        return read_stl_points(path) if path.endswith(".stl") else Glb(path).triangles()
+
+    def test_normals_of_glb_have_unit_length(self):
+        surface = EdgeIndexFile(golden(NOT_NUMBERS)).read_surface()
+        normals = list(surface.attributes[0].values())
+        self.assertTrue(any(not any(normal) for normal in normals))
+        self.assertTrue(any(math.isnan(normal[0]) for normal in normals))
+        for options in ([], ["--compress"], ["--triangles", "500"]):
+            with self.subTest(options=options):
+                self.assertEqual(run("decode", golden(NOT_NUMBERS), "n.glb", *options)[0], 0)
+                self.assertGreater(Glb(scratch("n.glb")).count_normals(), 100)  # checks each one
+
+    def test_glb_is_in_metres_with_y_up(self):
+        from vtkmodules.vtkIOGeometry import vtkGLTFReader
+        for options, unit in (([], 1e-3), (["--unit", "m"], 1), (["--unit", "um"], 1e-6)):
+            self.assertEqual(run("decode", golden(NOT_NUMBERS), "m.glb", *options)[0], 0)
+            glb = Glb(scratch("m.glb"))
+            points = [point for one in glb.triangles() for point in one]
+            expected = []
+            for axis, sign in ((0, 1), (2, 1), (1, -1)):  # x, z, -y
+                ends = sorted(sign * unit * extreme(point[axis] for point in points) for extreme in (min, max))
+                expected += ends
+            reader = vtkGLTFReader()
+            reader.SetFileName(scratch("m.glb"))
+            reader.Update()
+            blocks = reader.GetOutput().NewIterator()
+            for found, value in zip(blocks.GetCurrentDataObject().GetBounds(), expected):
+                self.assertAlmostEqual(found / unit, value / unit, places=2)
+
+    def test_formats_that_cannot_tell_isovalues_apart_say_so(self):
+        two = golden("lossless-int16.eix")
+        for ending, tells in (("stl", True), ("ply", True), ("glb", False), ("obj", False)):
+            with self.subTest(ending=ending):
+                code, out, err = run("decode", two, "two." + ending)
+                self.assertEqual((code, "2 isovalues" in err), (0, tells), err)
+        triangles = []
+        for isovalue in ("150.5", "400"):
+            code, out, err = run("decode", two, isovalue + ".stl", "--isovalue", isovalue)
+            self.assertEqual((code, "isovalues" in err), (0, False), err)
+            triangles += read_stl_points(scratch(isovalue + ".stl"))
+            self.assertEqual(len(Glb(self.decode(two, isovalue)).json["meshes"]), 1)
+        self.assertEqual(count_triangles(triangles), count_triangles(read_stl_points(scratch("two.stl"))))
+        code, _, err = run("decode", two, "no.stl", "--isovalue", "7")
+        self.assertEqual(code, 1)
+        self.assertIn("no such isovalue", err)
+
+    def decode(self, path, isovalue):
+        self.assertEqual(run("decode", path, "one.glb", "--isovalue", isovalue)[0], 0)
+        return scratch("one.glb")
 
 
 class ErrorsAreOneLine(unittest.TestCase):
@@ -461,7 +609,7 @@ class ErrorsAreOneLine(unittest.TestCase):
         self.assertIn("none.eix", self.check("decode", "none.eix", "out.ply"))
         self.assertIn(".vtp", self.check("decode", golden("bounded.eix"), "out.xyz"))
         self.assertIn("--triangles", self.check(
-            "decode", golden("bounded.eix"), "out.obj", "--triangles", "9"))
+            "decode", golden("bounded.eix"), "out.vtp", "--triangles", "9"))
         self.assertIn("--compress", self.check("decode", golden("bounded.eix"), "out.ply", "--compress"))
         self.assertIn("nowhere", self.check("decode", golden("bounded.eix"), "nowhere/out.ply", "--quiet"))
         self.check()
@@ -479,6 +627,37 @@ class ErrorsAreOneLine(unittest.TestCase):
                 self.assertEqual(result.returncode, 1, result.stderr)
                 self.assertRegex(result.stderr.splitlines()[-1],
                                  "^edgeindex: cannot write to standard output: .")
+
+    def test_output_that_ends_before_its_end(self):
+        for ending in ("ply", "stl", "glb", "obj", "vtp"):
+            with self.subTest(ending=ending):
+                output = "full." + ending
+                self.assertEqual(run("decode", golden("lossless-int16.eix"), output)[0], 0)
+                with open(scratch(output), "rb") as file:
+                    older = file.read()
+                for size in (0, 1000, len(older) // 2, len(older) - 1):
+                    code, _, err = run_limited(size, "decode", golden("lossless-int16.eix"), output, "--quiet")
+                    self.assertEqual((code, err.count("\n")), (1, 1), err)
+                    with open(scratch(output), "rb") as file:
+                        self.assertEqual(file.read(), older)
+                self.assertFalse([name for name in os.listdir(SCRATCH) if ".part" in name])
+
+    def test_output_that_is_the_input(self):
+        shutil.copy(golden("bounded.eix"), scratch("same.ply"))
+        os.makedirs(scratch("deep"), exist_ok=True)
+        os.symlink("same.ply", scratch("link.stl"))
+        os.symlink("..", scratch("deep/up"))
+        os.link(scratch("same.ply"), scratch("hard.obj"))
+        shutil.copy(golden("bounded.eix"), scratch("one.vtp.part"))
+        shutil.copy(golden("bounded.eix"), scratch("two.ply.part.faces"))
+        for source, output in (
+                ("same.ply", "same.ply"), ("same.ply", "./same.ply"), ("same.ply", scratch("same.ply")),
+                ("same.ply", "deep/up/same.ply"), ("same.ply", "link.stl"), ("link.stl", "same.ply"),
+                ("same.ply", "hard.obj"), ("one.vtp.part", "one.vtp"),
+                ("two.ply.part.faces", "two.ply")):
+            with self.subTest(source=source, output=output):
+                self.assertIn("is the ", self.check("decode", source, output))
+                self.assertEqual(run("verify", source)[0], 0)
 
     def test_help(self):
         self.assertEqual(run("--help")[0], 0)

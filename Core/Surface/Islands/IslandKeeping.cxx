@@ -4,6 +4,7 @@
 #include "Surface/Islands/SurfaceRanges.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -28,10 +29,11 @@ public:
   {
   }
 
-  void Make(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept,
-    Buffer<Index>& connectivity, Buffer<Index>& offsets)
+  /// isKept(point): also of the cells whose first point it is.
+  template <typename Predicate>
+  void Make(const Predicate& isKept, Buffer<Index>& connectivity, Buffer<Index>& offsets)
   {
-    this->NumberPoints(labels, areKept);
+    this->NumberPoints(isKept);
     this->CountCells();
     this->KeepParts();
     this->KeepCells(connectivity, offsets);
@@ -52,7 +54,8 @@ private:
   bool HasPoint(std::size_t point) const { return this->Numbers[point] >= 0; }
   bool HasCell(std::size_t cell) const { return this->HasPoint(this->Cells.GetFirstPoint(cell)); }
 
-  void NumberPoints(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept)
+  template <typename Predicate>
+  void NumberPoints(const Predicate& isKept)
   {
     const std::size_t points = this->Extracted.NumberOfPoints;
     ForRanges(points, this->Threads,
@@ -61,9 +64,8 @@ private:
         std::size_t count = 0;
         for (std::size_t point = begin; point < end; ++point)
         {
-          const bool isKept = areKept[labels[point]] != 0;
-          this->Numbers[point] = isKept ? 0 : -1;
-          count += isKept ? 1 : 0;
+          this->Numbers[point] = isKept(point) ? 0 : -1;
+          count += this->HasPoint(point) ? 1 : 0;
         }
         this->PointsBefore[range] = count;
       });
@@ -203,13 +205,11 @@ private:
   std::vector<std::size_t> CornersBefore;
 };
 
-} // namespace
-
-void KeepIslands(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept, int threads,
-  Surface& surface)
+template <typename Predicate>
+void KeepPoints(const Predicate& isKept, int threads, Surface& surface)
 {
   const auto keep = [&](const auto& cells, auto& connectivity, auto& offsets)
-  { KeptSurface(surface, cells, threads).Make(labels, areKept, connectivity, offsets); };
+  { KeptSurface(surface, cells, threads).Make(isKept, connectivity, offsets); };
   IndexArray& corners = surface.Connectivity;
   if (corners.Is64Bit)
   {
@@ -219,6 +219,58 @@ void KeepIslands(const IslandLabels& labels, const std::vector<std::uint8_t>& ar
   {
     keep(SurfaceCells<std::int32_t>(surface), corners.Values32, surface.Offsets.Values32);
   }
+}
+
+// Marks the points of triangles that are finite. Turns the others so that a point that is not comes
+// first, by which KeptSurface decides. Returns how many these are.
+template <typename Index>
+std::size_t MarkFiniteTriangles(
+  const Buffer<float>& points, Buffer<Index>& corners, std::vector<std::uint8_t>& areKept)
+{
+  std::size_t dropped = 0;
+  for (std::size_t triangle = 0; triangle < corners.GetSize() / 3; ++triangle)
+  {
+    Index* own = corners.GetData() + 3 * triangle;
+    Index* wrong = std::find_if(own, own + 3,
+      [&points](Index corner)
+      {
+        const float* point = points.GetData() + 3 * static_cast<std::size_t>(corner);
+        return !std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2]);
+      });
+    if (wrong != own + 3)
+    {
+      std::rotate(own, wrong, own + 3);
+      ++dropped;
+      continue;
+    }
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      areKept[static_cast<std::size_t>(own[corner])] = 1;
+    }
+  }
+  return dropped;
+}
+
+} // namespace
+
+void KeepIslands(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept, int threads,
+  Surface& surface)
+{
+  KeepPoints([&](std::size_t point) { return areKept[labels[point]] != 0; }, threads, surface);
+}
+
+std::size_t KeepFiniteTriangles(int threads, Surface& surface)
+{
+  std::vector<std::uint8_t> areKept(surface.NumberOfPoints, 0);
+  IndexArray& corners = surface.Connectivity;
+  const std::size_t dropped = corners.Is64Bit
+    ? MarkFiniteTriangles(surface.Points, corners.Values64, areKept)
+    : MarkFiniteTriangles(surface.Points, corners.Values32, areKept);
+  if (std::find(areKept.begin(), areKept.end(), 0) != areKept.end())
+  {
+    KeepPoints([&](std::size_t point) { return areKept[point] != 0; }, threads, surface);
+  }
+  return dropped;
 }
 
 } // namespace isosurface

@@ -5,6 +5,7 @@
 #include "Surface/Contour/Surface.h"
 #include "Surface/Islands/IslandLabels.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace isosurface
 /// arrays, and an index a point. Throws std::bad_alloc; the surface is then lost.
 void KeepIslands(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept, int threads,
   Surface& surface);
+
+/// Drops the triangles with a point that is infinite or not a number, and then the points without
+/// triangles; in the same way. Returns how many triangles were dropped. No polygons.
+std::size_t KeepFiniteTriangles(int threads, Surface& surface);
 
 } // namespace isosurface
 
