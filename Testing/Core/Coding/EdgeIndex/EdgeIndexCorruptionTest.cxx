@@ -141,7 +141,7 @@ TEST(EdgeIndexCorruption, AProfileThatTheFormatDoesNotHaveIsCorrupt)
 
 TEST(EdgeIndexCorruption, OtherVersionsAreUnsupported)
 {
-  for (const std::uint8_t version : { 0, 2, 3, 255 })
+  for (const std::uint8_t version : { 0, 3, 4, 255 })
   {
     std::vector<std::uint8_t> bytes =
       EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
