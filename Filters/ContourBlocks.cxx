@@ -93,8 +93,8 @@ Status CheckGrids(const ImagePieces& pieces)
   if (grids.size() > 1)
   {
     return { StatusCode::InvalidArgument,
-      "the images of the input are of several grids, each with an isosurface of its own; extract "
-      "one of them (Extract Block)" };
+      "the images of the input are of several grids, or have other samples where they meet, so each "
+      "has an isosurface of its own; extract one of them (Extract Block)" };
   }
   return grids.empty() ? Status(StatusCode::InvalidArgument, "the input has no samples")
                        : Status::Ok();

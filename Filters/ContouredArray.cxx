@@ -70,7 +70,7 @@ Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* 
     vtkDataArray* array = choose(image, association);
     return TakeContouredArray(inInfo, image, array, association, component, averages, threads);
   };
-  auto pieces = CollectImagePieces(ranks, input, inInfo, find);
+  auto pieces = CollectImagePieces(ranks, input, inInfo, find, threads);
   if (!pieces.IsOk() && pieces.GetStatus().GetCode() == StatusCode::NotFound)
   {
     return MakeMissingArrayError(input, name);

@@ -33,6 +33,13 @@ std::vector<std::int64_t> FindFirstIds(const ImagePieces& pieces, const ContourR
   return firstIds;
 }
 
+SurfaceBlocks DescribeBlocks(const ImagePieces& pieces, const ContourRequest& request)
+{
+  return pieces.BlockNames.size() > 1
+    ? SurfaceBlocks{ FindFirstIds(pieces, request), pieces.Blocks, pieces.BlockNames }
+    : SurfaceBlocks();
+}
+
 } // namespace
 
 Result<ImageContour::Entry> ImageContour::TakeEntry(
@@ -261,6 +268,7 @@ Status ImageContour::ExtractJoined(
   const auto merge = [&]
   {
     outcome.Arrays = query.Arrays;
+    outcome.Blocks = DescribeBlocks(query.Pieces, query.Request);
     outcome.Cost.Reading.ActiveBlocks += blocks;
     outcome.Extracted =
       surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
@@ -290,6 +298,7 @@ Status ImageContour::ExtractPrepared(
 {
   const std::vector<ImagePiece>& pieces = query.Pieces.Pieces;
   outcome.Arrays = query.Arrays;
+  outcome.Blocks = DescribeBlocks(query.Pieces, query.Request);
   const std::vector<std::int64_t> firstIds = FindFirstIds(query.Pieces, query.Request);
   std::vector<Surface> surfaces;
   for (std::size_t number = 0; number < pieces.size(); ++number)

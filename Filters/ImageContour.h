@@ -31,17 +31,26 @@ class vtkDataArray;
 namespace isosurface
 {
 
+/// Which block of a composite each part of a surface is of. The same on all ranks.
+struct SurfaceBlocks
+{
+  std::vector<std::int64_t> FirstIds; ///< of the grids: the first id of each
+  std::vector<std::size_t> Numbers;   ///< of the grids, into Names
+  std::vector<std::string> Names;
+};
+
 /// Of one execution, on this rank.
 struct ContourOutcome : ExtractionOutcome
 {
   std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
   std::string ArrayName;                 ///< of the contoured array
-  bool Final = true;                     ///< whether a progressive surface is at its last level
-  bool MayStay = false;                  ///< whether the next execution may have it stay
-  bool Stays = false; ///< whether nothing was extracted, and the last surface stays
-  std::size_t ExtractedTriangles = 0;    ///< before islands were left out
-  std::optional<ChosenIslands> Islands;  ///< if they were asked for
-  double IslandSeconds = 0;              ///< wall clock of finding and choosing them
+  SurfaceBlocks Blocks; ///< of the input, if it has several with surfaces of their own
+  bool Final = true;    ///< whether a progressive surface is at its last level
+  bool MayStay = false; ///< whether the next execution may have it stay
+  bool Stays = false;   ///< whether nothing was extracted, and the last surface stays
+  std::size_t ExtractedTriangles = 0;   ///< before islands were left out
+  std::optional<ChosenIslands> Islands; ///< if they were asked for
+  double IslandSeconds = 0;             ///< wall clock of finding and choosing them
 };
 
 /**

@@ -14,50 +14,134 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationExecutivePortKey.h"
+#include "vtkMultiBlockDataSet.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Ground/Volume/GridUnion.h"
+#include "Surface/Pieces/PieceFields.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
+#include <utility>
 
 namespace isosurface
 {
 namespace
 {
 
+using BlockPath = std::vector<std::int64_t>;
+
 struct Leaf
 {
   vtkImageData* Image;
   vtkSmartPointer<vtkImageData> Owner; ///< if the image stands for a rectilinear grid
   vtkDataArray* Array;
-  GridGeometry Grid; ///< with the extent of this leaf alone
+  GridGeometry
+    Grid; ///< with the extent of this leaf alone, or of what it is declared to be a part of
   std::optional<GridLines> Lines;
+  BlockPath Block;
+  bool IsDeclared = false; ///< whether it is declared to be a part of that
 };
+
+/// Calls visit(data, path) for the leaves of a tree of datasets, until it returns an error. The
+/// partitions of a block have one path.
+template <typename Visit>
+Status VisitLeaves(vtkDataObject* data, BlockPath& path, const Visit& visit)
+{
+  const auto step = [&](std::int64_t number, vtkDataObject* child)
+  {
+    path.push_back(number);
+    const Status status = VisitLeaves(child, path, visit);
+    path.pop_back();
+    return status;
+  };
+  if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(data))
+  {
+    for (unsigned int n = 0; n < blocks->GetNumberOfBlocks(); ++n)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(step(n, blocks->GetBlock(n)));
+    }
+  }
+  else if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(data))
+  {
+    for (unsigned int n = 0; n < collection->GetNumberOfPartitionedDataSets(); ++n)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(step(n, collection->GetPartitionedDataSet(n)));
+    }
+  }
+  else if (auto* partitions = vtkPartitionedDataSet::SafeDownCast(data))
+  {
+    for (unsigned int n = 0; n < partitions->GetNumberOfPartitions(); ++n)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(VisitLeaves(partitions->GetPartitionAsDataObject(n), path, visit));
+    }
+  }
+  else if (auto* composite = vtkCompositeDataSet::SafeDownCast(data))
+  {
+    const auto iterator = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
+    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+    {
+      ISOSURFACE_RETURN_IF_ERROR(
+        step(iterator->GetCurrentFlatIndex(), iterator->GetCurrentDataObject()));
+    }
+  }
+  else if (data)
+  {
+    return visit(data, path);
+  }
+  return Status::Ok();
+}
+
+/// The names on the way to a block.
+std::string FindBlockName(vtkDataObject* data, const BlockPath& path)
+{
+  std::string name;
+  for (const std::int64_t step : path)
+  {
+    const auto number = static_cast<unsigned int>(step);
+    vtkInformation* info = nullptr;
+    if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(data))
+    {
+      info = blocks->HasMetaData(number) ? blocks->GetMetaData(number) : nullptr;
+      data = blocks->GetBlock(number);
+    }
+    else if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(data))
+    {
+      info = collection->HasMetaData(number) ? collection->GetMetaData(number) : nullptr;
+      data = collection->GetPartitionedDataSet(number);
+    }
+    const char* own = info ? info->Get(vtkCompositeDataSet::NAME()) : nullptr;
+    name += own ? (name.empty() ? "" : "/") + std::string(own) : "";
+  }
+  return name;
+}
 
 Result<std::vector<Leaf>> FindImages(vtkDataObject* input)
 {
   std::vector<Leaf> images;
-  auto add = [&images](vtkDataObject* data)
+  const auto add = [&images](vtkDataObject* data, const BlockPath& block)
   {
     auto* set = vtkDataSet::SafeDownCast(data);
     auto* lined = vtkRectilinearGrid::SafeDownCast(data);
     auto* image = vtkImageData::SafeDownCast(data);
-    if (data && !image && !lined)
+    if (!image && !lined)
     {
       return Status(StatusCode::InvalidArgument,
         std::string("the input has a ") + data->GetClassName() +
           ", but only image data and rectilinear grids can be contoured here: take Contour, or put "
           "Resample To Image in front");
     }
-    if (!set || set->GetNumberOfPoints() == 0)
+    if (set->GetNumberOfPoints() == 0)
     {
       return Status::Ok();
     }
-    Leaf leaf{ image, nullptr, nullptr, {}, {} };
+    Leaf leaf{ image, nullptr, nullptr, {}, {}, block };
     if (lined)
     {
       leaf.Owner = MakeStructuredImage(lined);
@@ -69,19 +153,8 @@ Result<std::vector<Leaf>> FindImages(vtkDataObject* input)
     images.push_back(std::move(leaf));
     return Status::Ok();
   };
-  if (auto* composite = vtkCompositeDataSet::SafeDownCast(input))
-  {
-    const auto iterator = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
-    iterator->SkipEmptyNodesOn();
-    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
-    {
-      ISOSURFACE_RETURN_IF_ERROR(add(iterator->GetCurrentDataObject()));
-    }
-  }
-  else
-  {
-    ISOSURFACE_RETURN_IF_ERROR(add(input));
-  }
+  BlockPath path;
+  ISOSURFACE_RETURN_IF_ERROR(VisitLeaves(input, path, add));
   return images;
 }
 
@@ -119,6 +192,7 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
         extent[2 * axis + 1] = std::max(extent[2 * axis + 1], whole[2 * axis + 1]);
       }
     }
+    leaf.IsDeclared = hasWhole;
     leaf.Array = *array;
     leaf.Grid = MakeGridGeometry(image, extent);
     leaves.push_back(std::move(leaf));
@@ -143,7 +217,7 @@ void FindLeafGrids(
   }
 }
 
-// The samples of leaves, in the grids of all ranks: images first. `linedNumbers`: of the leaves with
+// The samples of leaves, in the grids of all ranks: images first; one piece a leaf. `linedNumbers`: of the leaves with
 // lines, their grids.
 Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
   const std::vector<GridGeometry>& images, std::vector<LinedGrid> lined,
@@ -167,6 +241,78 @@ Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
       { leaf.Image, leaf.Owner, std::move(*samples), grid, FindImageTime(inputInfo, leaf.Image) });
   }
   return Status::Ok();
+}
+
+std::vector<FieldPiece> DescribeFieldPieces(
+  const std::vector<Leaf>& leaves, const ImagePieces& pieces)
+{
+  std::vector<FieldPiece> described;
+  for (std::size_t number = 0; number < leaves.size(); ++number)
+  {
+    const ImagePiece& piece = pieces.Pieces[number];
+    int extent[6];
+    std::copy_n(leaves[number].Grid.Extent.begin(), 6, extent);
+    described.push_back({ piece.Grid, piece.Samples.Components, leaves[number].Block,
+      MakeVertexBox(pieces.Grids[piece.Grid], extent), leaves[number].IsDeclared,
+      !piece.Samples.Hidden.IsEmpty() });
+  }
+  return described;
+}
+
+// The samples, or those of a box alone, in a grid that begins at a vertex of theirs.
+ImageSamples MoveSamples(ImageSamples samples, const VertexBox& box, const Index3& first)
+{
+  const Index3 offset = { -first[0], -first[1], -first[2] };
+  for (SampleView& view : samples.Components)
+  {
+    view.Available = view.Available.Translate(offset);
+    view.Box = box.Translate(offset);
+  }
+  samples.Hidden.Box = samples.Hidden.Box.Translate(offset);
+  return samples;
+}
+
+// Gives each field a grid of its own.
+ImagePieces SortByFields(vtkDataObject* input, const ImagePieces& united, const PieceFields& fields)
+{
+  std::vector<BlockPath> blocks;
+  for (const GridField& field : fields.Fields)
+  {
+    blocks.push_back(field.Block);
+  }
+  std::sort(blocks.begin(), blocks.end());
+  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  ImagePieces sorted;
+  for (const BlockPath& block : blocks)
+  {
+    sorted.BlockNames.push_back(FindBlockName(input, block));
+  }
+  for (const GridField& field : fields.Fields)
+  {
+    GridGeometry grid = united.Grids[field.Grid];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const std::int64_t first = grid.Extent[2 * axis];
+      grid.Extent[2 * axis] = first + field.Box.Low[axis];
+      grid.Extent[2 * axis + 1] = first + field.Box.High[axis] - 1;
+    }
+    sorted.Grids.push_back(grid);
+    const std::optional<GridLines>& lines = united.Lines[field.Grid];
+    sorted.Lines.push_back(lines ? std::make_optional(lines->Cut(field.Box)) : std::nullopt);
+    sorted.Blocks.push_back(static_cast<std::size_t>(
+      std::lower_bound(blocks.begin(), blocks.end(), field.Block) - blocks.begin()));
+  }
+  for (std::size_t number = 0; number < united.Pieces.size(); ++number)
+  {
+    for (const VertexBox& box : fields.Boxes[number])
+    {
+      ImagePiece piece = united.Pieces[number];
+      piece.Grid = fields.Numbers[number];
+      piece.Samples = MoveSamples(std::move(piece.Samples), box, fields.Fields[piece.Grid].Box.Low);
+      sorted.Pieces.push_back(std::move(piece));
+    }
+  }
+  return sorted;
 }
 
 } // namespace
@@ -200,7 +346,8 @@ vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
 }
 
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
-  vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray)
+  vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray,
+  int threads)
 {
   std::vector<Leaf> leaves;
   std::size_t numberOfImages = 0;
@@ -227,9 +374,23 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   auto united = UniteLinedGrids(ranks, lined, linedNumbers);
   ISOSURFACE_RETURN_IF_ERROR(united.GetStatus());
   ImagePieces pieces;
-  const auto add = [&]
-  { return AddPieces(inputInfo, leaves, *images, std::move(*united), linedNumbers, pieces); };
+  std::vector<FieldPiece> described;
+  const auto add = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      AddPieces(inputInfo, leaves, *images, std::move(*united), linedNumbers, pieces));
+    described = DescribeFieldPieces(leaves, pieces);
+    return Status::Ok();
+  };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, add));
+  const auto fields = PieceFields::Find(ranks, described, threads);
+  ISOSURFACE_RETURN_IF_ERROR(fields.GetStatus());
+  const auto sort = [&]
+  {
+    pieces = SortByFields(input, pieces, *fields);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, sort));
   return pieces;
 }
 

@@ -48,15 +48,20 @@ vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image);
 
 /**
  * The images of all ranks as pieces of grids (UniteGrids), then their rectilinear grids
- * (UniteLinedGrids), as images in structured coordinates. The extent of a grid also covers the
- * volume that the images are blocks of (FindWholeExtent).
+ * (UniteLinedGrids), as images in structured coordinates. Images that are not parts of one field
+ * (PieceFields), as the members of an ensemble, have grids of their own. The extent of a grid also
+ * covers the volume that the images are blocks of (FindWholeExtent).
  */
 struct ImagePieces
 {
   std::vector<GridGeometry> Grids; ///< equal on all ranks
   /// Of the grids, one for each; empty for images.
   std::vector<std::optional<GridLines>> Lines;
-  std::vector<ImagePiece> Pieces; ///< this rank's
+  std::vector<std::size_t> Blocks; ///< of the grids, into BlockNames: the block of the first piece
+  std::vector<ImagePiece> Pieces;  ///< this rank's; several of one image, if others have some of it
+  /// Of all blocks of a composite with images, "" without a name; the same on all ranks that have
+  /// the blocks.
+  std::vector<std::string> BlockNames;
 };
 
 /**
@@ -68,7 +73,8 @@ struct ImagePieces
  * array that no rank has or that cannot be contoured, lines that do not ascend.
  */
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
-  vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray);
+  vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray,
+  int threads);
 
 /// The arrays of these names on all vertices of a piece's image, to interpolate.
 struct PieceAttributes

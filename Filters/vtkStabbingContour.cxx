@@ -3,6 +3,7 @@
 #include "vtkStabbingContour.h"
 
 #include "ArrayRanges.h"
+#include "BlockData.h"
 #include "ContourExecution.h"
 #include "ContouredArray.h"
 #include "CostFieldData.h"
@@ -71,6 +72,7 @@ void FillOutput(vtkStabbingContour& contour, int rank, int threads,
   made.Cost.ExtractSeconds = made.Extracted.TotalSeconds;
   isosurface::MoveToPolyData(
     made.Extracted, made.Arrays, contour.GetComputeScalars() ? made.ArrayName : "", output);
+  isosurface::AddBlocks(made.Blocks, output);
   isosurface::StoreRanges(output, threads);
   isosurface::AddCostToFieldData(rank, made.Cost, output);
   if (made.Islands)
@@ -270,6 +272,8 @@ int vtkStabbingContour::RequestUpdateExtent(
   vtkInformation* outInfo = output->GetInformationObject(0);
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   this->Work->ReleaseImages();
+  // RequestData is not called behind a failure.
+  this->IslandSummary = isosurface::SummariseIslands(nullptr);
   this->AskInput(input[0]->GetInformationObject(0), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
     outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
   return 1;

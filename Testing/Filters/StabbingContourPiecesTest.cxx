@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TestImages.h"
 
+#include "RectilinearFixtures.h"
+
+#include "vtkContourSpectrum.h"
+
 #include "vtkDataArray.h"
 #include "vtkExtractVOI.h"
+#include "vtkFieldData.h"
 #include "vtkMultiBlockDataSet.h"
 #include "vtkMultiPieceDataSet.h"
 #include "vtkNew.h"
@@ -10,6 +15,9 @@
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkRTAnalyticSource.h"
+#include "vtkRectilinearGrid.h"
+#include "vtkStringArray.h"
+#include "vtkTable.h"
 
 #include <algorithm>
 #include <cmath>
@@ -335,4 +343,155 @@ TEST(StabbingContourPieces, ImagesOfDifferentSpacingHaveConsecutiveIds)
   const vtkIdType fineEdges = 3 * fine->GetNumberOfPoints();
   EXPECT_TRUE(AreEqual(ToEdges(output, 0, fineEdges), ContourToEdges(fine, 50.5)));
   EXPECT_TRUE(AreEqual(ToEdges(output, fineEdges), ContourToEdges(coarse, 50.5)));
+}
+
+//------------------------------------------------------------------------------
+// Images of one grid that are not parts of one field
+
+namespace
+{
+
+vtkSmartPointer<vtkMultiBlockDataSet> GroupNamed(
+  const std::vector<std::pair<const char*, vtkDataSet*>>& members)
+{
+  auto group = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  for (const auto& [name, member] : members)
+  {
+    const unsigned int number = group->GetNumberOfBlocks();
+    group->SetBlock(number, member);
+    group->GetMetaData(number)->Set(vtkCompositeDataSet::NAME(), name);
+  }
+  return group;
+}
+
+vtkSmartPointer<vtkStabbingContour> FindIslands(vtkDataObject* input, double isovalue)
+{
+  const auto contour = MakeContour(input, isovalue);
+  contour->ComputeIslandIdsOn();
+  contour->Update();
+  return contour;
+}
+
+double CountIslands(vtkStabbingContour* contour)
+{
+  return contour->GetOutput()->GetFieldData()->GetArray("Islands")->GetTuple1(0);
+}
+
+// Waves, from a phase of one's own.
+vtkSmartPointer<vtkImageData> MakeMember(int phase, const Extent& extent = Whole)
+{
+  return MakeImage(extent, VTK_FLOAT,
+    [phase, waves = MakeWaves(100.0)](int i, int j, int k) { return waves(i + phase, j, k); });
+}
+
+// Each block's triangles, points, normals and islands are those that it has alone.
+void ExpectSurfacesOfBlocks(vtkMultiBlockDataSet* group)
+{
+  const auto contour = FindIslands(group, 8.0);
+  vtkPolyData* surface = contour->GetOutput();
+  ExpectDistinctIds(surface);
+  vtkDataArray* blocks = surface->GetPointData()->GetArray("BlockIds");
+  auto* names =
+    vtkStringArray::SafeDownCast(surface->GetFieldData()->GetAbstractArray("BlockNames"));
+  ASSERT_TRUE(blocks && names);
+  ASSERT_EQ(names->GetNumberOfValues(), group->GetNumberOfBlocks());
+  std::int64_t firstId = 0;
+  double islands = 0;
+  for (unsigned int number = 0; number < group->GetNumberOfBlocks(); ++number)
+  {
+    auto* image = vtkDataSet::SafeDownCast(group->GetBlock(number));
+    const std::int64_t nextId = firstId + 3 * image->GetNumberOfPoints();
+    EXPECT_TRUE(AreEqual(ToEdges(surface, firstId, nextId), ContourToEdges(image, 8.0)))
+      << "block " << number;
+    firstId = nextId;
+    islands += CountIslands(FindIslands(image, 8.0));
+    EXPECT_EQ(
+      names->GetValue(number), group->GetMetaData(number)->Get(vtkCompositeDataSet::NAME()));
+  }
+  EXPECT_EQ(surface->GetPointData()->GetGlobalIds()->GetRange()[1] < firstId, true);
+  EXPECT_EQ(CountIslands(contour), islands);
+  EXPECT_EQ(blocks->GetRange()[1], group->GetNumberOfBlocks() - 1.0);
+}
+
+} // namespace
+
+TEST(StabbingContourMembers, OfAnEnsembleKeepTheirSurfacesIslandsAndNames)
+{
+  const auto first = MakeMember(0);
+  const auto second = MakeMember(5);
+  ExpectSurfacesOfBlocks(GroupNamed({ { "first", first }, { "second", second } }));
+}
+
+TEST(StabbingContourMembers, OnRectilinearGridsKeepTheirs)
+{
+  const auto first = MakeLinedGrid(MakeMember(0));
+  const auto second = MakeLinedGrid(MakeMember(5));
+  ExpectSurfacesOfBlocks(GroupNamed({ { "first", first }, { "second", second } }));
+}
+
+TEST(StabbingContourMembers, ThatAreTheSameImageTwiceAreTwoSurfaces)
+{
+  const auto image = MakeMember(0);
+  vtkNew<vtkImageData> copy;
+  copy->DeepCopy(image);
+  ExpectSurfacesOfBlocks(GroupNamed({ { "a", image }, { "copy", copy }, { "again", image } }));
+}
+
+TEST(StabbingContourMembers, WithOtherSamplesWhereTheyMeetAreNotJoined)
+{
+  const auto left = MakeMember(0, { -7, 20, 3, 37, 0, 33 });
+  const auto right = MakeMember(3, { 20, 40, 3, 37, 0, 33 });
+  ExpectSurfacesOfBlocks(GroupNamed({ { "left", left }, { "right", right } }));
+}
+
+TEST(StabbingContourMembers, AreClosedOneByOne)
+{
+  const auto left = MakeMember(0, { -7, 20, 3, 37, 0, 33 });
+  const auto right = MakeMember(3, { 20, 40, 3, 37, 0, 33 });
+  vtkIdType expected = 0;
+  vtkIdType triangles = 0;
+  const auto group = GroupNamed({ { "left", left }, { "right", right } });
+  for (vtkDataObject* input : { static_cast<vtkDataObject*>(left),
+         static_cast<vtkDataObject*>(right), static_cast<vtkDataObject*>(group) })
+  {
+    const auto contour = MakeContour(input, 8.0);
+    contour->CloseBoundaryOn();
+    contour->Update();
+    EXPECT_TRUE(IsClosed(ToEdges(contour->GetOutput())));
+    triangles = contour->GetOutput()->GetNumberOfCells();
+    expected += input == group.Get() ? 0 : triangles;
+  }
+  EXPECT_EQ(triangles, expected);
+}
+
+// Ghost cells that are not marked, as in files.
+TEST(StabbingContourMembers, ThatOverlapWithEqualSamplesAreOneGridContouredOnce)
+{
+  const auto whole = MakeWhole();
+  const auto left = CutImage(whole, { -7, 22, 3, 37, 0, 33 });
+  const auto right = CutImage(whole, { 19, 40, 3, 37, 0, 33 });
+  const auto group = GroupNamed({ { "left", left }, { "right", right } });
+  ExpectWholeSurface(group, whole);
+  EXPECT_EQ(
+    Contour(group, { 50.5 })->GetNumberOfCells(), Contour(whole, { 50.5 })->GetNumberOfCells());
+}
+
+TEST(StabbingContourMembers, AreCountedOneByOneInTheSpectrum)
+{
+  const auto image = MakeMember(0);
+  vtkNew<vtkContourSpectrum> alone;
+  alone->SetInputDataObject(image);
+  alone->Update();
+  vtkNew<vtkContourSpectrum> both;
+  both->SetInputDataObject(GroupNamed({ { "a", image }, { "b", image } }));
+  both->Update();
+  vtkTable* expected = alone->GetOutput();
+  vtkTable* found = both->GetOutput();
+  ASSERT_EQ(found->GetNumberOfRows(), expected->GetNumberOfRows());
+  ASSERT_GT(found->GetNumberOfRows(), 0);
+  for (vtkIdType row = 0; row < found->GetNumberOfRows(); ++row)
+  {
+    EXPECT_EQ(found->GetValueByName(row, "Triangles").ToDouble(),
+      2 * expected->GetValueByName(row, "Triangles").ToDouble());
+  }
 }

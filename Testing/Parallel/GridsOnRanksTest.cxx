@@ -7,6 +7,7 @@
 
 #include "vtkBlockedVolumeReader.h"
 #include "vtkBlockedVolumeWriter.h"
+#include "vtkEdgeIndexWriter.h"
 #include "vtkStabbingContour.h"
 
 #include "vtkCellData.h"
@@ -183,6 +184,73 @@ TEST(GridsOnRanks, CellArraysWithGhostLayersHaveTheSurfaceOfTheWhole)
   piece->GenerateGhostArray(own.data(), true);
   ExpectSurfaceOfOneRank(ContourPiece(MakeBlocks(piece), vtkDataObject::FIELD_ASSOCIATION_CELLS),
     whole, vtkDataObject::FIELD_ASSOCIATION_CELLS);
+}
+
+// As behind Group Datasets: each rank has a slab of each member.
+TEST(GridsOnRanks, MembersOfAnEnsembleKeepTheirSurfaces)
+{
+  const auto first = MakeRough();
+  const auto second = MakeImage(WholeGrid, VTK_FLOAT, MakeWaves(90.0));
+  vtkNew<vtkMultiBlockDataSet> group;
+  group->SetBlock(0, CutImage(first, CutSlab(0)));
+  group->SetBlock(1, CutImage(second, CutSlab(0)));
+  const auto mine = ContourPiece(group);
+  const std::int64_t edges = 3 * first->GetNumberOfPoints();
+  const EdgeSurface surfaces[2] = { GatherSurface(mine, 0, edges), GatherSurface(mine, edges) };
+  if (GetRank() == 0)
+  {
+    EXPECT_TRUE(AreEqual(surfaces[0], ContourByFlyingEdges(first, 8.0)));
+    EXPECT_TRUE(AreEqual(surfaces[1], ContourByFlyingEdges(second, 8.0)));
+  }
+}
+
+TEST(GridsOnRanks, MembersAreRefusedByNameWhereOneGridIsNeeded)
+{
+  const SharedFolder folder("members");
+  vtkNew<vtkMultiBlockDataSet> group;
+  group->SetBlock(0, CutImage(MakeRough(), CutSlab(0)));
+  group->SetBlock(1, CutImage(MakeImage(WholeGrid, VTK_FLOAT, MakeWaves(90.0)), CutSlab(0)));
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetController(GetRanks());
+  contour->SetInputDataObject(group);
+  contour->SetValue(0, 8.0);
+  vtkNew<vtkEdgeIndexWriter> writer;
+  const ErrorCounter errors(writer);
+  writer->SetController(GetRanks());
+  writer->SetInputConnection(contour->GetOutputPort());
+  const std::string path = folder.GetPath("members.eix");
+  writer->SetFileName(path.c_str());
+  writer->Write();
+  ExpectOneError(errors, { "other samples where they meet", "Extract Block" });
+  EXPECT_FALSE(GetLocalFileSystem().Exists(path));
+}
+
+TEST(GridsOnRanks, PiecesWithOtherSamplesWhereTheyMeetAreNotJoined)
+{
+  const auto samples = MakeImage(WholeGrid, VTK_FLOAT,
+    [waves = MakeWaves(100.0)](int i, int j, int k) { return waves(i, j, k) + 5.0 * GetRank(); });
+  const auto slab = CutImage(samples, CutSlab(0));
+  const auto mine = ContourPiece(MakeBlocks(slab));
+  // Normals at the seam are those of the slab alone, and no id is there twice.
+  std::int64_t firstId = 0;
+  for (int rank = 0; rank < GetRank(); ++rank)
+  {
+    const int cells = WholeGrid[1] - WholeGrid[0];
+    const int width = cells * (rank + 1) / GetNumberOfRanks() - cells * rank / GetNumberOfRanks();
+    firstId +=
+      3LL * (width + 1) * (WholeGrid[3] - WholeGrid[2] + 1) * (WholeGrid[5] - WholeGrid[4] + 1);
+  }
+  EXPECT_TRUE(AreEqual(ToEdges(mine, firstId), ContourByFlyingEdges(slab, 8.0)));
+  EXPECT_EQ(ToEdges(mine, 0, firstId).Points.size(), 0u);
+}
+
+// A whole that every rank has is contoured once.
+TEST(GridsOnRanks, AnImageThatAllRanksHaveIsContouredOnce)
+{
+  const auto whole = MakeRough();
+  const auto mine = ContourPiece(whole);
+  EXPECT_EQ(SumOverRanks(static_cast<std::uint64_t>(mine->GetNumberOfCells())),
+    static_cast<std::uint64_t>(RunFlyingEdges(whole, 8.0, false)->GetNumberOfCells()));
 }
 
 TEST(GridsOnRanks, UnstructuredDataOnOneRankIsAnErrorOfAll)
