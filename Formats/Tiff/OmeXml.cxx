@@ -2,7 +2,7 @@
 #include "Formats/Tiff/OmeXml.h"
 
 #include "Formats/Source/TextFields.h"
-#include "Formats/Tiff/LengthUnit.h"
+#include "Formats/Tiff/TiffUnits.h"
 
 #include <pugixml.hpp>
 

@@ -2,7 +2,7 @@
 #include "Formats/Tiff/TiffDescription.h"
 
 #include "Formats/Source/TextFields.h"
-#include "Formats/Tiff/LengthUnit.h"
+#include "Formats/Tiff/TiffUnits.h"
 #include "Formats/Zarr/JsonField.h"
 
 #include <algorithm>

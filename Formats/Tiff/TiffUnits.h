@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_LengthUnit_h
-#define isosurface_LengthUnit_h
+#ifndef isosurface_TiffUnits_h
+#define isosurface_TiffUnits_h
 
 #include <array>
 #include <string>
