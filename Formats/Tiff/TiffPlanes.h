@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_TiffPlanes_h
+#define isosurface_TiffPlanes_h
+
+#include "Formats/Tiff/TiffArray.h"
+#include "Formats/Tiff/TiffFiles.h"
+#include "Formats/Tiff/TiffImage.h"
+#include "Ground/Volume/VolumeOpener.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace isosurface
+{
+
+/// The pages of a time step of an image, or of a level of their pyramid.
+class TiffPlanes
+{
+public:
+  /// `files` must outlive the planes.
+  TiffPlanes(TiffFiles& files, const VolumeChoice& choice)
+    : Files(files)
+    , Choice(choice)
+  {
+  }
+
+  /// Finds the pages that an image says. Errors: Corrupt, if a slice is missing; Unsupported.
+  Status TakeImage(TiffImage& image);
+  /// Takes the pages of several files, one after the other, as slices.
+  Status TakeStack(const std::vector<std::string>& paths, TiffImage& image);
+  /// Goes to the finest level of at most so many vertices as chosen, or the coarsest.
+  void ChooseLevel();
+
+  /// The slices of each channel that is there.
+  const std::map<std::int64_t, std::vector<TiffSlice>>& GetChannels() const
+  {
+    return this->Channels;
+  }
+  /// The paths that slices have the numbers of.
+  const std::vector<std::string>& GetPaths() const { return this->Paths; }
+  const TiffFormat& GetFormat() const { return *this->Format; }
+  /// The level of the pyramid; 0: the pages themselves.
+  std::size_t GetLevel() const { return this->Level; }
+  /// How many samples of the pages are between two of the level, on each axis.
+  const std::array<double, 3>& GetSteps() const { return this->Steps; }
+
+private:
+  using Slices = std::vector<TiffSlice>;
+
+  Status CheckImage(TiffImage& image);
+  std::size_t NumberFile(const std::string& path);
+  /// A page as a slice; its smaller images are kept if a level is chosen.
+  Result<TiffSlice> MakeSlice(
+    TiffFiles::ReadFile& read, const std::string& path, const TiffPage& page);
+  TiffSlice FindSmaller(TiffSlice slice, std::size_t level) const;
+  /// The format of a level, from 1; nothing if its first page cannot be one of a smaller image.
+  std::optional<TiffFormat> FindFormatOfLevel(std::size_t level) const;
+
+  TiffFiles& Files;
+  const VolumeChoice& Choice;
+  std::map<std::int64_t, Slices> Channels;
+  std::vector<std::string> Paths;
+  std::map<std::string, std::size_t> Numbers; ///< of Paths
+  std::optional<TiffFormat> Format;
+  std::size_t Levels = 0; ///< that all pages have
+  /// The directories of the smaller images of pages, by file and directory, if a level is chosen.
+  std::map<std::pair<std::size_t, std::uint64_t>, std::vector<std::uint64_t>> Smaller;
+  std::size_t Level = 0;
+  std::array<double, 3> Steps{ 1, 1, 1 };
+};
+
+} // namespace isosurface
+
+#endif
