@@ -3,6 +3,7 @@
 
 #include "ContourProxy.h"
 #include "CountWords.h"
+#include "StateLoading.h"
 
 #include "pqPipelineSource.h"
 #include "pqServer.h"
@@ -139,7 +140,9 @@ void pqIndexStatus::Advance()
   std::swap(readers, this->Readers);
   for (const QPointer<pqPipelineSource>& reader : readers)
   {
-    if (reader && (reader->getServer()->isProgressPending() || this->AdvanceOne(reader, changed)))
+    if (reader &&
+      (reader->getServer()->isProgressPending() || isosurface::IsStateLoading() ||
+        this->AdvanceOne(reader, changed)))
     {
       wait = reader->getServer()->getNumberOfPartitions() > 1 ? PollRanksMilliseconds : wait;
       this->Readers.push_back(reader);

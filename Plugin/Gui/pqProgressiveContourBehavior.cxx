@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqProgressiveContourBehavior.h"
 
+#include "StateLoading.h"
 #include "SurfaceSizeQuestion.h"
 #include "WindowCall.h"
 #include "pqIndexStatus.h"
@@ -368,7 +369,8 @@ void pqProgressiveContourBehavior::Advance()
     this->All.clear(); // the window is closed
     return;
   }
-  if (IsAnyServerWorking() || this->Finishing || this->ChangingTime || this->Drawing->IsDrawing())
+  if (IsAnyServerWorking() || this->Finishing || this->ChangingTime || this->Drawing->IsDrawing() ||
+    isosurface::IsStateLoading())
   {
     this->Timer->start(PollMilliseconds);
     return;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqSurfaceDrawing.h"
 
+#include "StateLoading.h"
+
 #include "pqApplicationCore.h"
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
@@ -89,6 +91,7 @@ void pqSurfaceDrawing::Observe(pqView* view)
 {
   if (FindView(view))
   {
+    isosurface::DrawWholeUntilLoaded(view);
     QObject::connect(view, &pqView::representationAdded, this, &pqSurfaceDrawing::ObserveCamera);
     QObject::connect(view, &pqView::endRender, this, &pqSurfaceDrawing::Forget);
   }
@@ -199,7 +202,8 @@ void pqSurfaceDrawing::Advance()
     return;
   }
   pqView* view = this->Views.front();
-  if (QGuiApplication::mouseButtons() != Qt::NoButton || view->getServer()->isProgressPending())
+  if (QGuiApplication::mouseButtons() != Qt::NoButton || view->getServer()->isProgressPending() ||
+    isosurface::IsStateLoading())
   {
     this->Timer->start(PollMilliseconds);
     return;
