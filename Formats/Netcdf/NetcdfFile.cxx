@@ -292,6 +292,13 @@ std::optional<std::string> NetcdfFile::ReadText(
   return GetText(variable.Group, variable.Variable, attribute.c_str());
 }
 
+bool NetcdfFile::HasAttribute(const NetcdfVariable& variable, const std::string& attribute) const
+{
+  const NetcdfScope scope;
+  return ::nc_inq_att(variable.Group, variable.Variable, attribute.c_str(), nullptr, nullptr) ==
+    NC_NOERR;
+}
+
 std::optional<double> NetcdfFile::ReadNumber(
   const NetcdfVariable& variable, const std::string& attribute, ValueType* type) const
 {

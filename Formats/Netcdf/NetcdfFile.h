@@ -44,6 +44,7 @@ public:
 
   std::optional<std::string> ReadText(
     const NetcdfVariable& variable, const std::string& attribute) const;
+  bool HasAttribute(const NetcdfVariable& variable, const std::string& attribute) const;
   /// A lone number. `type`, if not null, is set to its type.
   std::optional<double> ReadNumber(
     const NetcdfVariable& variable, const std::string& attribute, ValueType* type = nullptr) const;

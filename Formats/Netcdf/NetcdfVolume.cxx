@@ -55,6 +55,10 @@ public:
     ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), this->Choice.Arrays, this->Volume));
     ISOSURFACE_RETURN_IF_ERROR(this->TakeLines());
     ISOSURFACE_RETURN_IF_ERROR(this->TakeScale());
+    for (ArrayDescription& taken : this->Volume.Arrays)
+    {
+      taken.Unit = this->File.ReadText(*this->Variable, "units").value_or("");
+    }
     this->NoteLeftOut();
     return std::move(this->Volume);
   }
@@ -133,7 +137,9 @@ private:
     const std::size_t rank = this->Variable->Shape.size();
     if (letters.empty() && (rank == 3 || rank == 4))
     {
-      const std::string order = rank == 3 ? "zyx" : "tzyx";
+      const bool hasComponent =
+        rank == 4 && this->Variable->Shape.back() == 1 && this->FindRole(rank - 1) == ' ';
+      const std::string order = rank == 3 ? "zyx" : hasComponent ? "zyxc" : "tzyx";
       std::string roles;
       for (std::size_t axis = 0; axis < rank; ++axis)
       {
@@ -154,7 +160,7 @@ private:
       }
       letters = roles;
     }
-    const auto axes = ArrayAxes::Parse(letters, rank);
+    const auto axes = ArrayAxes::Parse(letters, this->Variable->Shape);
     if (!axes.IsOk())
     {
       std::string dimensions;
@@ -287,9 +293,28 @@ private:
   {
     const auto note = [this](const std::string& text)
     { this->Volume.LeftOut += (this->Volume.LeftOut.empty() ? "" : "; ") + text; };
-    if (const auto units = this->File.ReadText(*this->Variable, "units"))
+    for (const int axis : { this->Axes.X, this->Axes.Y, this->Axes.Z, this->Axes.Time })
     {
-      note("the unit of the samples, \"" + *units + "\", is not kept");
+      const NetcdfVariable* coordinate = axis < 0
+        ? nullptr
+        : this->File.FindCoordinate(*this->Variable, static_cast<std::size_t>(axis));
+      const auto units = coordinate ? this->File.ReadText(*coordinate, "units") : std::nullopt;
+      if (units)
+      {
+        note("the unit of " + coordinate->Path + ", \"" + *units + "\", is not kept");
+      }
+      if (coordinate &&
+        LowerText(this->File.ReadText(*coordinate, "positive").value_or("")) == "down")
+      {
+        note("the coordinates of " + coordinate->Path + " increase downwards, and are kept");
+      }
+    }
+    for (const char* attribute : { "valid_range", "valid_min", "valid_max", "flag_meanings" })
+    {
+      if (this->File.HasAttribute(*this->Variable, attribute))
+      {
+        note(std::string("samples are kept whatever ") + attribute + " says");
+      }
     }
     for (const char* attribute : { "_FillValue", "missing_value" })
     {

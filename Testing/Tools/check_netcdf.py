@@ -100,6 +100,28 @@ class CoordinatesAndErrors(Files):
         path = self.write("d.nc", "o.bvol", "--spacing", "1,1,1", "--origin", "0,0,0")
         self.assert_equal_volumes(path, self.write_raw(samples, "data"))
 
+    def test_a_last_axis_of_one_sample_is_a_component(self):
+        samples = make_samples("float32")
+        with self.create("o.nc") as file:
+            file.createDimension("component", 1)
+            file.createVariable("data", "float32", ("z", "y", "x", "component"))[:] = samples[..., None]
+        self.assert_equal_volumes(self.write("o.nc", "o.bvol"), self.write_raw(samples, "data"))
+
+    def test_what_is_not_obeyed_is_told(self):
+        samples = make_samples("int16")
+        with self.create("t.nc") as file:
+            self.add_coordinates(file, z=(numpy.arange(41), {"positive": "down", "units": "m"}))
+            data = file.createVariable("data", "int16", ("z", "y", "x"))
+            data.set_auto_maskandscale(False)
+            data[:] = samples
+            data.setncatts({"units": "K", "valid_range": numpy.array([0, 50], "int16"), "missing_value": numpy.int16(7)})
+        code, _, err = self.run_tool("t.nc", "t.bvol")
+        self.assertEqual(code, 0)
+        for words in ("increase downwards", "whatever valid_range says", "missing_value, 7"):
+            self.assertIn(words, err)
+        with open(self.path("t.bvol"), "rb") as file:
+            self.assertRegex(file.read(), rb'"unit": ?"K"')
+
     def test_uneven_coordinates_are_those_of_a_rectilinear_grid(self):
         samples, steps = make_samples("int16"), numpy.arange(41.0) ** 2
         with self.create("u.nc") as file:
