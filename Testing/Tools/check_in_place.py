@@ -15,6 +15,7 @@ import netCDF4
 import nibabel
 import numcodecs
 import numpy
+import tifffile
 import zarr
 
 from sample_volumes import SHAPE, SourceCase, list_files, make_samples, run_claim
@@ -67,6 +68,30 @@ class Samples(InPlaceCase):
         path = self.index(source, "o.bvol", *arguments)
         self.assert_sound(path)
         self.assert_equal_stores(path, self.index_raw(samples))
+
+    def test_images_channels_and_time_steps_of_ome_tiff(self):
+        images = numpy.stack([make_samples("int16", phase=number) for number in range(4)]).reshape(2, 2, *SHAPE)
+        with tifffile.TiffWriter(self.path("a.ome.tif"), ome=True) as file:
+            file.write(images[0, 0], metadata={"axes": "ZYX", "Name": "other"})
+            file.write(images, metadata={"axes": "TCZYX", "Name": "two: steps"}, compression="zlib")
+        self.check("a.ome.tif", images[0, 0])
+        self.check("a.ome.tif:two: steps", images[1, 1], "--step", "1", "--arrays", "Tiff Scalars 1")
+        self.assert_sound(self.index("a.ome.tif:1", "t.bvol", ranks=2))
+
+    def test_samples_of_hdf5_that_are_not_what_they_seem(self):
+        samples = make_samples("uint8")
+        padded = numpy.full((48, 48, 80), 200, "uint8")
+        padded[tuple(slice(size) for size in SHAPE)] = samples
+        with h5py.File(self.path("i.ims"), "w", userblock_size=1024) as file:
+            group = file.create_group("DataSet/ResolutionLevel 0/TimePoint 0/Channel 0")
+            file.create_group("DataSetInfo")
+            group.create_dataset("Data", data=padded, chunks=(16, 16, 16), compression="gzip")
+            for axis, size in zip("ZYX", SHAPE):
+                group.attrs["ImageSize" + axis] = numpy.array([letter.encode() for letter in str(size)], "S1")
+        with h5py.File(self.path("b.h5"), "w") as file:
+            file.create_dataset("mask", data=(samples > 50)[..., None], chunks=(16, 16, 16, 1), compression="gzip")
+        self.check("i.ims", samples)
+        self.check("b.h5", (samples > 50).astype("uint8"))
 
     def test_hdf5(self):
         samples = make_samples("int16")
