@@ -108,7 +108,8 @@ private:
     {
       return; // without coordinates
     }
-    constexpr std::int64_t most = std::int64_t{ 1 } << 24;
+    constexpr std::int64_t largest = std::int64_t{ 1 } << 24;
+    const std::int64_t most = std::min(largest, std::max<std::int64_t>(this->Shape[axis], 2));
     if (auto numbers = this->File.ReadList(path, most); numbers.IsOk())
     {
       words.Coordinates = std::move(*numbers);

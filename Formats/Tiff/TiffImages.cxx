@@ -92,9 +92,10 @@ Status TiffImages::FindImages()
         " describes the pages in its own way, which is not read: they are "
         "taken as slices, in their order");
     }
-    else if (!program.empty())
+    else if (program == "MetaMorph" || program == "NIH Image")
     {
-      image.AddNote(program + " describes the page in its own way, which is not read");
+      return this->Files.MakeError(StatusCode::Unsupported,
+        program + " keeps all slices of a stack in one page, in its own way");
     }
     NoteResolution((*read)->Contents, image);
     this->Images = { std::move(image) };

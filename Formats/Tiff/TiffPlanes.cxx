@@ -13,6 +13,12 @@ namespace
 constexpr std::int64_t FewestSlices = 32;
 constexpr std::int64_t MaximumChannels = 1024;
 
+/// The name of a type of OME-XML here.
+std::string FindTypeName(const std::string& type)
+{
+  return type == "float" ? "float32" : type == "double" ? "float64" : type;
+}
+
 } // namespace
 
 Status TiffPlanes::TakeImage(TiffImage& image)
@@ -96,6 +102,11 @@ Status TiffPlanes::CheckImage(TiffImage& image)
   if (!missing.empty())
   {
     image.AddNote("channels whose pages are in other files are left out: " + missing);
+  }
+  const std::string type = GetValueTypeName(this->Format->Type);
+  if (const std::string said = FindTypeName(image.Type); !said.empty() && said != type)
+  {
+    image.AddNote("samples are " + type + ", although OME-XML says " + said);
   }
   const bool hasOtherSize = image.Width > 0 && image.Height > 0 &&
     (image.Width != this->Format->Width || image.Height != this->Format->Height);

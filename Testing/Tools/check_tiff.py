@@ -311,6 +311,19 @@ class TagsOfPages(TiffCase):
         self.write_pages("n.tif", image, "")
         self.assert_image("n.tif", image, untold=("n.tif:",))
 
+    def test_pages_that_hold_several_slices_are_refused(self):
+        image = make_images(1)[0]
+        self.write_pages("m.tif", image[:1], "", extratags=[(33629, 4, 2, (7, 7), True)])
+        self.assert_error("m.tif", "m.tif", "MetaMorph", "in one page")
+        with tifffile.TiffWriter(self.path("v.tif")) as file:
+            file.write(numpy.zeros((16, 16, 16), "uint8"), volumetric=True, tile=(16, 16, 16))
+        self.assert_error("v.tif", "v.tif", "pages of several slices")
+
+    def test_a_type_that_the_pages_do_not_have_is_told(self):
+        image = make_images(1)[0]
+        self.write_pages("t.ome.tif", image, make_ome(SHAPE[1:], "<TiffData/>", (7, 1, 1)).replace("uint16", "int16"))
+        self.assert_image("t.ome.tif", image, told=("samples are uint16, although OME-XML says int16",))
+
     def test_colors_and_small_samples_are_refused_by_name(self):
         image = make_images(1, dtype="uint8")[0]
         self.write_pages("rgb.tif", numpy.stack([image] * 3, axis=3), "", photometric="rgb")
