@@ -86,7 +86,7 @@ def show(surface, view, color, representation="Surface"):
 def draw_rock(folder):
     reader = write_volume(ROCK, 143, os.path.join(folder, "rock.bvol"))
     mesh = simple.StabbingContour(
-        Input=reader, Isosurfaces=[0.0], MaximumIslands=1, CloseBoundary=1, DropDegenerateTriangles=1
+        Input=reader, Isosurfaces=[0.0], MaximumIslands=1, CloseBoundary=1
     )
     mesh.Level = 1  # a quarter of the triangles
     simple.SaveData(os.path.join(folder, "rock.stl"), proxy=mesh)

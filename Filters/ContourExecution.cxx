@@ -99,6 +99,8 @@ ContourRequest ContourExecution::MakeRequest()
   if (this->Contour.GetCloseBoundary())
   {
     request.ClosedSides = GridSides::All();
+    request.ClosedSides.AreBeyondInside = this->Contour.GetInside() == vtkStabbingContour::BELOW;
+    request.DropDegenerateTriangles = true; // caps meet in triangles without area
   }
   return request;
 }
@@ -247,6 +249,7 @@ std::uint64_t ContourExecution::ComputeFingerprint(
     { this->Contour.GetComputeNormals() != 0, this->Contour.GetComputeScalars() != 0,
       this->Contour.GetGenerateTriangles() != 0, this->Contour.GetDropDegenerateTriangles() != 0,
       this->Contour.GetProgressive() != 0, this->Contour.GetCloseBoundary() != 0,
+      this->Contour.GetInside() == vtkStabbingContour::BELOW,
       this->Contour.GetSkipNotANumber() != 0, this->Contour.GetDynamicBalance() != 0,
       this->Contour.GetUseIslandPoint() != 0, this->Contour.GetComputeIslandIds() != 0,
       this->CoarseAllowed, blocks && blocks->Normals, blocks && blocks->Attributes })

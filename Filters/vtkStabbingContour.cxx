@@ -99,6 +99,7 @@ vtkStabbingContour::vtkStabbingContour()
   , RefinementMemory(0)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
+  , Inside(ABOVE)
   , SkipNotANumber(0)
   , DynamicBalance(0)
   , UseRegion(0)
@@ -452,6 +453,7 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   os << "\n";
   os << indent << "DropDegenerateTriangles: " << this->DropDegenerateTriangles << "\n";
   os << indent << "CloseBoundary: " << this->CloseBoundary << "\n";
+  os << indent << "Inside: " << this->Inside << "\n";
   os << indent << "SkipNotANumber: " << this->SkipNotANumber << "\n";
   os << indent << "DynamicBalance: " << this->DynamicBalance << "\n";
   os << indent << "UseRegion: " << this->UseRegion << "\n";

@@ -246,13 +246,22 @@ public:
   ///@{
   /**
    * Whether caps close the surface where it meets the border of the grid (of the whole extent of
-   * images). Caps lie in the border, and their normals point outwards; the closed surface bounds
-   * what is not below the isovalue. Of a blocked volume the blocks at the border that are above the
-   * isovalue as a whole are read as well. Default off.
+   * images). Caps lie in the border, and their normals point outwards. Degenerate triangles are always
+   * dropped then. The closed surface bounds what is not below the isovalue; with Inside BELOW what is
+   * below, such as pores: corners run the other way round, and normals point to high values. Of a
+   * blocked volume the blocks at the border that are inside as a whole are read as well (with BELOW,
+   * all at the border). Defaults: off, ABOVE.
    */
+  enum Insides
+  {
+    ABOVE,
+    BELOW
+  };
   vtkSetMacro(CloseBoundary, vtkTypeBool);
   vtkGetMacro(CloseBoundary, vtkTypeBool);
   vtkBooleanMacro(CloseBoundary, vtkTypeBool);
+  vtkSetClampMacro(Inside, int, ABOVE, BELOW);
+  vtkGetMacro(Inside, int);
   ///@}
 
   ///@{
@@ -424,6 +433,7 @@ private:
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;
   vtkTypeBool CloseBoundary;
+  int Inside;
   vtkTypeBool SkipNotANumber;
   vtkTypeBool DynamicBalance;
   vtkTypeBool UseRegion;

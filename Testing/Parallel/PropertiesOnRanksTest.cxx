@@ -100,6 +100,7 @@ std::vector<ContourProperty> MakeContourProperties()
     { "MaximumTriangles", [](Contour* contour) { contour->SetMaximumTriangles(1000000); } },
     { "Progressive", [](Contour* contour) { contour->ProgressiveOn(); } },
     { "CloseBoundary", [](Contour* contour) { contour->CloseBoundaryOn(); } },
+    { "Inside", [](Contour* contour) { contour->SetInside(Contour::BELOW); } },
     { "SkipNotANumber", [](Contour* contour) { contour->SkipNotANumberOn(); } },
     { "DynamicBalance", [](Contour* contour) { contour->DynamicBalanceOn(); } },
     { "UseRegion", [](Contour* contour) { contour->UseRegionOn(); } },

@@ -72,7 +72,7 @@ class Proxies(testing.TestCase):
         names = ["ContourBy", "Isosurfaces", "ComputeNormals", "ComputeScalars"]
         names.append("GenerateTriangles")
         self.check_properties(ours, names + ["Component"])
-        options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "UseRegion"]
+        options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "Inside", "UseRegion"]
         options += ["RegionPosition", "RegionLength", "FrustumPlanes"]
         options += ["IslandSize", "MinimumIslandSize", "MaximumIslands", "UseIslandPoint"]
         options += ["IslandPoint", "ComputeIslandIds", "IslandSummary"]

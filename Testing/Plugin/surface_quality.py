@@ -14,7 +14,6 @@ class SurfaceQuality(testing.TestCase):
         opened = testing.count_cells(surface)
         testing.show_surface(surface, view)
         surface.CloseBoundary = 1
-        surface.DropDegenerateTriangles = 1
         self.assertGreater(testing.count_cells(surface), opened)
         self.check_image(view, "ClosedSurface.png", "closed.png")
 

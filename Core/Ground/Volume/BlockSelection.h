@@ -13,8 +13,8 @@ namespace isosurface
 
 /**
  * Which blocks an extraction needs. Usually the active blocks. A surface that is closed at sides of
- * the grid also needs the blocks at these sides that are entirely inside. With a region, it needs
- * only blocks that intersect the region.
+ * the grid also needs the blocks at these sides that are entirely inside (or entirely outside, if what
+ * is beyond the sides is inside). With a region, it needs only blocks that intersect the region.
  */
 struct BlockSelection
 {
@@ -31,7 +31,7 @@ struct BlockSelection
       this->Lines == other.Lines;
   }
 
-  /// Whether a block is needed. The block is active, or it is entirely inside.
+  /// Whether a block is needed. The block is active, or it is entirely on one side.
   bool Selects(const GridGeometry& grid, const VertexBox& vertices, bool isActive) const
   {
     return (isActive || this->ClosedSides.Touch(vertices, grid.GetDimensions())) &&

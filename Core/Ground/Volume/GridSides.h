@@ -15,8 +15,10 @@ namespace isosurface
 struct GridSides
 {
   std::array<bool, 6> Sides{}; ///< the low side of axis a at 2 * a, the high one at 2 * a + 1
+  /// Whether what lies beyond them counts as inside, so that what is outside becomes a body: pores.
+  bool AreBeyondInside = false;
 
-  static GridSides All() { return { { true, true, true, true, true, true } }; }
+  static GridSides All() { return { { true, true, true, true, true, true }, false }; }
 
   bool HasLow(std::size_t axis) const { return this->Sides[2 * axis]; }
   bool HasHigh(std::size_t axis) const { return this->Sides[2 * axis + 1]; }
@@ -25,7 +27,10 @@ struct GridSides
     return std::none_of(this->Sides.begin(), this->Sides.end(), [](bool side) { return side; });
   }
 
-  bool operator==(const GridSides& other) const { return this->Sides == other.Sides; }
+  bool operator==(const GridSides& other) const
+  {
+    return this->Sides == other.Sides && this->AreBeyondInside == other.AreBeyondInside;
+  }
 
   /// Whether a box of vertices touches one of these sides. `dimensions` are those of the grid.
   bool Touch(const VertexBox& box, const Index3& dimensions) const

@@ -44,7 +44,12 @@ Result<References> FindActiveBlocks(BlockStore& store, const VolumeLayout& layou
       span.FindEnd(active->size()), statistics);
   }
   std::vector<std::uint32_t> candidates = *active;
-  if (!query.Selection.ClosedSides.IsEmpty())
+  if (query.Selection.ClosedSides.AreBeyondInside)
+  {
+    candidates.resize(static_cast<std::size_t>(store.GetNumberOfBlocks()));
+    std::iota(candidates.begin(), candidates.end(), 0U);
+  }
+  else if (!query.Selection.ClosedSides.IsEmpty())
   {
     const auto inside = store.FindInside(query.Variable, query.Isovalues, statistics);
     ISOSURFACE_RETURN_IF_ERROR(inside.GetStatus());

@@ -44,7 +44,7 @@ BlockSamples ExtendBeyond(const BlockSamples& samples, const Brick& brick)
   return extended;
 }
 
-void ClearOuterVertices(const Brick& brick, std::uint64_t* inside)
+void SetOuterVertices(const Brick& brick, bool areInside, std::uint64_t* inside)
 {
   const Index3 size = brick.Vertices.GetSize();
   std::int64_t index[3];
@@ -54,11 +54,14 @@ void ClearOuterVertices(const Brick& brick, std::uint64_t* inside)
   const std::uint64_t innerBits = brick.Side[0] == 0 ? ~std::uint64_t(0)
     : brick.Side[0] < 0                              ? 2
                                                      : 1;
+  const std::uint64_t allBits = (std::uint64_t(1) << size[0]) - 1;
   for (index[2] = 0; index[2] < size[2]; ++index[2])
   {
     for (index[1] = 0; index[1] < size[1]; ++index[1])
     {
-      *inside++ &= isOuter(1) || isOuter(2) ? 0 : innerBits;
+      const std::uint64_t inner = isOuter(1) || isOuter(2) ? 0 : innerBits;
+      *inside = areInside ? *inside | (~inner & allBits) : *inside & inner;
+      ++inside;
     }
   }
 }

@@ -12,15 +12,15 @@
 namespace isosurface
 {
 
-// A brick beyond the grid (Brick::IsBeyond) closes the surface. Its outer vertices are outside. Its
+// A brick beyond the grid (Brick::IsBeyond) closes the surface. Its outer vertices are on one side. Its
 // crossed edges lead outwards; their points lie on their inner vertices.
 
 /// The samples of the brick, from those of the block at the border: an outer vertex has the sample
 /// of the inner vertex next to it.
 BlockSamples ExtendBeyond(const BlockSamples& samples, const Brick& brick);
 
-/// Clears the bits of the outer vertices in the brick's inside words.
-void ClearOuterVertices(const Brick& brick, std::uint64_t* inside);
+/// Sets or clears the bits of the outer vertices in the brick's inside words.
+void SetOuterVertices(const Brick& brick, bool areInside, std::uint64_t* inside);
 
 /// As BrickKernels::LocatePoints: the structured coordinate of each point, and a parameter with
 /// which interpolation gives the value at the inner vertex.

@@ -312,7 +312,7 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, const Brick& brick,
     samples.Scalars.Type, view, this->Thresholds[isovalue].Value.data(), inside);
   if (brick.IsBeyond())
   {
-    ClearOuterVertices(brick, inside);
+    SetOuterVertices(brick, this->Request.ClosedSides.AreBeyondInside, inside);
   }
   if (!IsCrossed(inside, rows, view.Size[0]))
   {
@@ -396,6 +396,11 @@ void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSampl
     {
       CorrectNormals(*unknown, samples.Scalars, this->KnownSamples, brick.Vertices.Low, part.Codes,
         parameters, count, part.Normals);
+    }
+    if (this->Request.ClosedSides.AreBeyondInside && !brick.IsBeyond())
+    {
+      std::transform(part.Normals, part.Normals + 3 * std::size_t(count), part.Normals,
+        [](float value) { return -value; });
     }
     SetNormalsOnSides(this->Request.ClosedSides, this->Geometry.GetDimensions(), brick.Vertices.Low,
       part.VertexPoints, part.NumberOfVertexPoints, part.Normals);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 namespace isosurface
@@ -26,7 +27,12 @@ GridBlockSource::GridBlockSource(const SampleView& samples, const BlockRanges& r
   }
   std::vector<std::int64_t> candidates = std::move(this->Active);
   const std::vector<std::int64_t> crossed = candidates;
-  if (!selection.ClosedSides.IsEmpty())
+  if (selection.ClosedSides.AreBeyondInside)
+  {
+    candidates.resize(static_cast<std::size_t>(this->Grid.GetNumberOfBlocks()));
+    std::iota(candidates.begin(), candidates.end(), std::int64_t{ 0 });
+  }
+  else if (!selection.ClosedSides.IsEmpty())
   {
     const std::vector<std::int64_t> inside = ranges.FindInsideBlocks(isovalues);
     candidates.clear();

@@ -76,8 +76,11 @@ struct ContourRequest
    * normals of the isosurface. (With DropDegenerateTriangles, a vertex on the sides has one point,
    * with the mean of the sides' outward normals.) A grid of one vertex on an axis has no surface.
    *
+   * With GridSides::AreBeyondInside the layer is inside, and the closed surface bounds what is outside:
+   * corners of triangles run the other way round, and normals point to high values.
+   *
    * Besides the active blocks, the source must give the blocks at these sides that are entirely
-   * inside: see BlockSelection.
+   * inside, or outside: see BlockSelection.
    */
   GridSides ClosedSides;
   /// The vertices of the grid whose samples are known, if these are not all: at the faces of this

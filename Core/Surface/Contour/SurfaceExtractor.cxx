@@ -7,6 +7,7 @@
 #include "Surface/Contour/QueuedScan.h"
 #include "Surface/Contour/SurfaceAssembler.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -56,6 +57,19 @@ Result<BrickLattice> ScanBlocks(const GridGeometry& geometry, BlockSource& sourc
   return lattice;
 }
 
+/// Turns the corners of all cells the other way round.
+template <typename Index>
+void TurnCells(Buffer<Index>& corners, const Buffer<Index>& offsets, std::size_t cells)
+{
+  for (std::size_t cell = 0; cell < cells; ++cell)
+  {
+    const bool areTriangles = offsets.IsEmpty();
+    const auto begin = areTriangles ? 3 * cell : static_cast<std::size_t>(offsets[cell]);
+    const auto end = areTriangles ? begin + 3 : static_cast<std::size_t>(offsets[cell + 1]);
+    std::reverse(corners.GetData() + begin + 1, corners.GetData() + end);
+  }
+}
+
 Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& source,
   const ContourRequest& request, BlockQueue* queue, int threads, const Progress& progress)
 {
@@ -76,6 +90,14 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
   if (!assembler.Run(threads, MakePartOfProgress(progress, ScanEnd, 1.0), surface))
   {
     return Status(StatusCode::Aborted, "The extraction was aborted.");
+  }
+  if (request.ClosedSides.AreBeyondInside && surface.Connectivity.Is64Bit)
+  {
+    TurnCells(surface.Connectivity.Values64, surface.Offsets.Values64, surface.NumberOfCells);
+  }
+  else if (request.ClosedSides.AreBeyondInside)
+  {
+    TurnCells(surface.Connectivity.Values32, surface.Offsets.Values32, surface.NumberOfCells);
   }
   surface.TotalSeconds =
     std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

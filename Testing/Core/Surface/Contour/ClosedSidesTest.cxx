@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
 
 using namespace isosurface;
@@ -27,13 +28,13 @@ std::vector<std::int64_t> FindClosedBlocks(
     volume, BlockGrid(volume.GetDimensions(), blockSize), request.Isovalues, true);
 }
 
-/// The volume with a layer around it that is outside: how the oracle closes a surface.
+/// The volume with a layer around it that is outside (or inside): how the oracle closes a surface.
 template <typename T>
-SampleVolume<double> Pad(const SampleVolume<T>& volume)
+SampleVolume<double> Pad(const SampleVolume<T>& volume, double beyond = -1e30)
 {
   const Index3 size = volume.GetDimensions();
   SampleVolume<double> padded({ size[0] + 2, size[1] + 2, size[2] + 2 });
-  std::fill(padded.Samples.begin(), padded.Samples.end(), -1e30);
+  std::fill(padded.Samples.begin(), padded.Samples.end(), beyond);
   for (std::size_t side = 0; side < 6; ++side)
   {
     padded.Geometry.Extent[side] = volume.Geometry.Extent[side] + (side % 2 == 0 ? -1 : 1);
@@ -82,6 +83,41 @@ void CheckAgainstPadding(const SampleVolume<T>& volume, int blockSize,
   EXPECT_TRUE(IsClosed(lean));
 }
 
+/// The same triangles, seen from the other side.
+TriangleSet Turn(const TriangleSet& set)
+{
+  TriangleSet turned;
+  for (const auto& triangle : set)
+  {
+    AddTriangle(turned, { triangle[0], triangle[2], triangle[1] });
+  }
+  std::sort(turned.begin(), turned.end());
+  return turned;
+}
+
+template <typename T>
+double MeasureVolume(const SampleVolume<T>& volume, ContourRequest request, bool isBelow)
+{
+  request.ClosedSides.AreBeyondInside = isBelow;
+  TestBlockSource<T> source(volume, 16);
+  const Surface surface = Require(ExtractSurface(volume.Geometry, source, request, 1));
+  double sum = 0;
+  for (std::size_t triangle = 0; triangle < surface.NumberOfTriangles; ++triangle)
+  {
+    const float* corners[3];
+    for (std::size_t corner = 0; corner < 3; ++corner)
+    {
+      corners[corner] = surface.Points.GetData() + 3 * surface.Connectivity[3 * triangle + corner];
+    }
+    const auto [a, b, c] = corners;
+    sum += (double{ a[0] } * (double{ b[1] } * c[2] - double{ b[2] } * c[1]) +
+             double{ a[1] } * (double{ b[2] } * c[0] - double{ b[0] } * c[2]) +
+             double{ a[2] } * (double{ b[0] } * c[1] - double{ b[1] } * c[0])) /
+      6;
+  }
+  return sum;
+}
+
 template <typename T>
 class ClosedSidesOfType : public testing::Test
 {
@@ -105,6 +141,90 @@ TYPED_TEST(ClosedSidesOfType, RandomGridsEqualPaddedOnesMovedIntoTheGrid)
     CheckAgainstPadding(volume, 1 + static_cast<int>(random() % 5),
       trial % 3 == 0 ? std::vector<double>{ 1.5, 2.0 } : std::vector<double>{ trial % 3 + 0.5 });
   }
+}
+
+TYPED_TEST(ClosedSidesOfType, WhatIsBelowIsBoundByTheTurnedTrianglesOfGridsPaddedInside)
+{
+  std::mt19937 random(63);
+  std::uniform_int_distribution<int> size(2, 8);
+  for (int trial = 0; trial < 150; ++trial)
+  {
+    SampleVolume<TypeParam> volume({ size(random), size(random), size(random) });
+    for (TypeParam& sample : volume.Samples)
+    {
+      sample = static_cast<TypeParam>(random() % 5);
+    }
+    ContourRequest request = MakeClosedRequest({ trial % 5 + 0.5 });
+    request.ClosedSides.AreBeyondInside = true;
+    const TriangleSet expected = Turn(Clamp(
+      MakeTriangleSet(ContourPlainly(Pad(volume, 1e30), request.Isovalues)), volume.Geometry));
+    for (const bool drops : { false, true })
+    {
+      request.DropDegenerateTriangles = drops;
+      TestBlockSource<TypeParam> source(volume, 1 + trial % 4);
+      const Surface surface = Require(ExtractSurface(volume.Geometry, source, request, 1));
+      const PlainSurface below = MakePlain(surface);
+      // A triangle of two equal corners may begin with either.
+      EXPECT_TRUE(DropDegenerate(MakeTriangleSet(below)) == DropDegenerate(expected));
+      EXPECT_EQ(below.Triangles.size(), (drops ? DropDegenerate(expected) : expected).size());
+      EXPECT_TRUE(IsClosed(below));
+    }
+  }
+}
+
+TEST(ClosedSides, WhatIsAboveAndWhatIsBelowFillTheGrid)
+{
+  std::mt19937 random(64);
+  const auto volume = MakeRandomVolume<std::int16_t>(random, { 33, 20, 18 }, 9);
+  ContourRequest request = MakeClosedRequest({ 3.5 });
+  const double above = MeasureVolume(volume, request, false);
+  const double below = MeasureVolume(volume, request, true);
+  EXPECT_GT(above, 0);
+  EXPECT_GT(below, 0);
+  EXPECT_NEAR(above + below, 32.0 * 19 * 17, 0.01);
+}
+
+TEST(ClosedSides, NormalsOfWhatIsBelowPointOutOfIt)
+{
+  std::mt19937 random(65);
+  const auto volume = MakeRandomVolume<std::int16_t>(random, { 12, 9, 7 }, 9);
+  ContourRequest request = MakePlainRequest({ 3.5 });
+  request.Normals = true;
+  TestBlockSource<std::int16_t> source(volume, 16);
+  const Surface plain = Require(ExtractSurface(volume.Geometry, source, request, 1));
+  std::map<Place, Place> normals;
+  const auto get = [](const Buffer<float>& values, std::size_t point) {
+    return Place{ values[3 * point], values[3 * point + 1], values[3 * point + 2] };
+  };
+  for (std::size_t point = 0; point < plain.NumberOfPoints; ++point)
+  {
+    normals[get(plain.Points, point)] = get(plain.Normals, point);
+  }
+  request.ClosedSides = GridSides::All();
+  request.ClosedSides.AreBeyondInside = true;
+  const Surface below = Require(ExtractSurface(volume.Geometry, source, request, 1));
+  std::size_t caps = 0;
+  for (std::size_t point = 0; point < below.NumberOfPoints; ++point)
+  {
+    const Place place = get(below.Points, point);
+    const Place normal = get(below.Normals, point);
+    const auto found = normals.find(place);
+    if (found != normals.end())
+    {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        EXPECT_EQ(normal[axis], -found->second[axis]);
+      }
+      continue;
+    }
+    ++caps;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const auto last = static_cast<float>(volume.GetDimensions()[axis] - 1);
+      EXPECT_TRUE(normal[axis] == 0 || place[axis] == (normal[axis] > 0 ? last : 0.0F));
+    }
+  }
+  EXPECT_GT(caps, 20u);
 }
 
 TEST(ClosedSides, BlocksOfAllSizesEqualPaddedGrids)
