@@ -4,6 +4,7 @@
 #include "PipelineInput.h"
 
 #include "Formats/Opener/ForeignVolume.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Ground/Volume/VolumeName.h"
 
 #include <algorithm>
@@ -61,13 +62,13 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::si
     return Status(StatusCode::InvalidArgument,
       "--axes: " + options.Input + " is no file of HDF5, NetCDF or Zarr");
   }
-  if (isPlain && step > 0)
+  if (isPlain && step > 0 && !IsPattern(GetLocalFileSystem(), options.Input))
   {
     return Status(
       StatusCode::InvalidArgument, "--step: " + options.Input + " is read as one time step");
   }
   auto volume = isFile ? OpenFile(options, step)
-                       : OpenPipelineInput(options.Input, options.Arrays, options.WithCells,
+                       : OpenPipelineInput(options.Input, step, options.Arrays, options.WithCells,
                            options.Settings.MemoryLimit / 4);
   if (volume.IsOk())
   {

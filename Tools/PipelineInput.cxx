@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PipelineInput.h"
 
+#include "PipelineFiles.h"
 #include "ReaderCrash.h"
 #include "Sandbox.h"
 
 #include "vtkAlgorithm.h"
+#include "vtkBMPReader.h"
 #include "vtkImageData.h"
+#include "vtkImageFlip.h"
 #include "vtkImageReader2.h"
 #include "vtkImageReader2Factory.h"
 #include "vtkInformation.h"
@@ -18,6 +21,7 @@
 #include "vtkRectilinearGridReader.h"
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
 #include "vtkStructuredPointsReader.h"
 #include "vtkXMLImageDataReader.h"
 #include "vtkXMLPImageDataReader.h"
@@ -33,10 +37,12 @@
 #include "WriterInput.h"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -156,6 +162,21 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
   return reader;
 }
 
+/// Whether an image has an 8-bit palette that is the grey of its number: then its numbers are samples.
+bool HasGreyPalette(vtkBMPReader* reader)
+{
+  const unsigned char* const colors = reader->GetDepth() == 8 ? reader->GetColors() : nullptr;
+  for (int color = 0; colors && color < 256; ++color)
+  {
+    const unsigned char* const rgb = colors + 3 * static_cast<std::ptrdiff_t>(color);
+    if (rgb[0] != color || rgb[1] != color || rgb[2] != color)
+    {
+      return false;
+    }
+  }
+  return colors != nullptr;
+}
+
 std::string DescribeCrash(const std::string& path, vtkAlgorithm* reader)
 {
   return "blockvolume: " + path + ": its reader, " + reader->GetClassName() +
@@ -181,6 +202,54 @@ Status RunReader(const std::string& path, vtkAlgorithm* reader, Step&& step)
       path + ": cannot be read by " + reader->GetClassName() + ": " + error.what());
   }
   return Status::Ok();
+}
+
+/// A reader of slices, all of one size and type, the first row of each at y 0: VTK's readers have it at the
+/// end.
+Result<vtkSmartPointer<vtkAlgorithm>> MakeStackReader(const std::vector<std::string>& paths)
+{
+  auto reader = vtkSmartPointer<vtkImageReader2>::Take(
+    vtkImageReader2Factory::CreateImageReader2(paths.front().c_str()));
+  if (!reader)
+  {
+    return MakeError(paths.front(), "it is not what its name says");
+  }
+  auto* const bitmap = vtkBMPReader::SafeDownCast(reader);
+  bool isGrey = bitmap != nullptr;
+  std::array<int, 8> first{};
+  vtkNew<vtkStringArray> names;
+  for (const std::string& path : paths)
+  {
+    if (reader->CanReadFile(path.c_str()) == 0)
+    {
+      return MakeError(path, "it is not what its name says");
+    }
+    reader->SetFileName(path.c_str());
+    ISOSURFACE_RETURN_IF_ERROR(RunReader(path, reader, [&] { reader->UpdateInformation(); }));
+    std::array<int, 8> form{};
+    std::copy_n(reader->GetDataExtent(), 6, form.begin());
+    form[6] = reader->GetDataScalarType();
+    form[7] = reader->GetNumberOfScalarComponents();
+    first = path == paths.front() ? form : first;
+    const std::string error = GetErrorKeeper()->TakeError();
+    if (!error.empty() || form != first)
+    {
+      return Status(StatusCode::Corrupt,
+        path + ": cannot be read: " +
+          (error.empty() ? "its size or type differs from that of " + paths.front() : error));
+    }
+    isGrey = isGrey && HasGreyPalette(bitmap);
+    names->InsertNextValue(path);
+  }
+  if (isGrey)
+  {
+    bitmap->SetAllow8BitBMP(1);
+  }
+  reader->SetFileNames(names);
+  auto flip = vtkSmartPointer<vtkImageFlip>::New();
+  flip->SetFilteredAxis(1);
+  flip->SetInputConnection(reader->GetOutputPort());
+  return vtkSmartPointer<vtkAlgorithm>(flip);
 }
 
 /// Every reader has at least a slice in memory: one that cannot be there is not asked for.
@@ -368,15 +437,22 @@ Status DescribeInput(const std::string& path, vtkImageData* slice, int whole[6],
 
 } // namespace
 
-Result<InputVolume> OpenPipelineInput(const std::string& path,
+Result<InputVolume> OpenPipelineInput(const std::string& input, std::size_t step,
   const std::vector<std::string>& arrays, bool withCells, std::uint64_t wholeBytes)
 {
   GetErrorKeeper();
-  if (!GetLocalFileSystem().Exists(path))
+  const auto files = PipelineFiles::Find(input, step);
+  ISOSURFACE_RETURN_IF_ERROR(files.GetStatus());
+  const bool isStack = files->Paths.size() > 1;
+  const std::string& path = isStack ? input : files->Paths.front();
+  if (!isStack && !GetLocalFileSystem().Exists(path))
   {
     return Status(StatusCode::NotFound, path + ": cannot open: No such file or directory");
   }
-  const vtkSmartPointer<vtkAlgorithm> reader = MakeReaderOf(path);
+  const auto made = isStack ? MakeStackReader(files->Paths)
+                            : Result<vtkSmartPointer<vtkAlgorithm>>(MakeReaderOf(path));
+  ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
+  const vtkSmartPointer<vtkAlgorithm>& reader = *made;
   if (!reader)
   {
     return Status(StatusCode::Unsupported,
@@ -396,6 +472,13 @@ Result<InputVolume> OpenPipelineInput(const std::string& path,
   InputVolume volume;
   ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, slice->Image, whole, arrays, withCells, volume));
   ISOSURFACE_RETURN_IF_ERROR(TakeLines(reader, path, *slice, whole, volume));
+  volume.LeftOut += (volume.LeftOut.empty() || files->LeftOut.empty() ? "" : "; ") + files->LeftOut;
+  if (files->Steps > 1)
+  {
+    volume.Times.resize(files->Steps);
+    std::iota(volume.Times.begin(), volume.Times.end(), 0.0);
+    volume.Time = static_cast<double>(step);
+  }
   auto source = std::make_unique<ReaderSource>(reader, path, volume.Grid, volume.Arrays, withCells);
   const std::uint64_t bytes = source->GetReadBytes(source->GetBox());
   if (bytes > wholeBytes)

@@ -46,12 +46,6 @@ gdcm::TransferSyntax::TSType FindSyntax(const DicomSlice& slice)
   return gdcm::TransferSyntax::GetTSType(slice.Syntax.c_str());
 }
 
-bool IsSigned(const DicomSlice& slice)
-{
-  return slice.Type == ValueType::Int8 || slice.Type == ValueType::Int16 ||
-    slice.Type == ValueType::Int32;
-}
-
 /// A step of the last digit of a decimal number.
 double FindUnit(const std::string& number)
 {
@@ -127,7 +121,7 @@ std::string FindNotes(const DicomDataSet& tags, const DicomSlice& slice)
   if (!tags.GetText(0x00280120).empty())
   {
     double padding = tags.GetNumber(0x00280120, 0);
-    padding -= IsSigned(slice) && padding > 32767 ? 65536 : 0; // an implicit element has no sign
+    padding -= slice.IsSigned() && padding > 32767 ? 65536 : 0; // an implicit element has no sign
     std::array<char, 160> text{};
     std::snprintf(text.data(), text.size(),
       "samples where nothing was measured keep their value, %.10g (Pixel Padding Value %.10g)",
@@ -274,7 +268,7 @@ void ClearUnusedBits(const DicomSlice& slice, std::vector<std::uint8_t>& samples
   if (slice.BitsStored < static_cast<int>(8 * size))
   {
     TakeSamples({ samples.data(), size, samples.size() / size },
-      { slice.LowBit, slice.BitsStored, IsSigned(slice) }, size, samples.data());
+      { slice.LowBit, slice.BitsStored, slice.IsSigned() }, size, samples.data());
   }
 }
 
@@ -282,12 +276,12 @@ void ClearUnusedBits(const DicomSlice& slice, std::vector<std::uint8_t>& samples
 Status TakeDecoded(const DicomSlice& slice, const CompressedForm& form, const SampleWords& words,
   std::vector<std::uint8_t>& to)
 {
-  if (form.IsSigned && !IsSigned(slice) && HasBitsFrom(words, form.Bits - 1))
+  if (form.IsSigned && !slice.IsSigned() && HasBitsFrom(words, form.Bits - 1))
   {
     return Status(StatusCode::Unsupported,
       slice.Path + ": cannot be read: its image has negative samples, its header unsigned ones");
   }
-  SampleBits bits{ 0, form.Bits, IsSigned(slice) };
+  SampleBits bits{ 0, form.Bits, slice.IsSigned() };
   // Some encoders clear the bits above those that are stored, and so the sign there.
   const bool isSignStored = bits.IsSigned && !form.IsSigned && form.Bits > slice.BitsStored &&
     !HasBitsFrom(words, slice.BitsStored);
@@ -377,6 +371,12 @@ void BeQuiet()
 }
 
 } // namespace
+
+bool DicomSlice::IsSigned() const
+{
+  return this->Type == ValueType::Int8 || this->Type == ValueType::Int16 ||
+    this->Type == ValueType::Int32;
+}
 
 const std::array<const char*, 8> DicomSlice::MomentNames = { "Echo Numbers",
   "Temporal Position Identifier", "Acquisition Number", "Trigger Time", "Diffusion b-value",

@@ -53,6 +53,8 @@ struct DicomSlice
 
   static const std::array<const char*, 8> MomentNames;
 
+  bool IsSigned() const;
+
   /// Reads the header. NotFound if the file is no DICOM image; otherwise as the errors of files.
   /// `series` gets the UID as far as the header tells it, after an error, too; it may be null.
   static Result<DicomSlice> Read(const std::string& path, std::string* series = nullptr);

@@ -13,13 +13,12 @@ namespace isosurface
  * A series of DICOM images with a slice a file:
  *
  *     file           the series of this file, in its folder
- *     folder         the only series in the folder; those without a readable image do not count
+ *     folder         the only series in the folder or else in its folders; those without a readable image
+ *                    do not count; DICOMDIR stands for its folder
+ *     pattern        the only series of the files that fit
  *     folder:UID     the series of this instance UID, or of the only one that ends so
  *
- * An image that cannot be read is an error of its series, of all if its header does not tell that.
- *
- * The slices are sorted by their place along the normal of their planes, and must have equal distances (to
- * a hundredth). The grid is that of the patient: millimetres, x to the left, y to the back, z up. A tilted
+ * DicomSeries.h and DicomStack.h tell which files are taken. The grid is that of the patient: millimetres, x to the left, y to the back, z up. A tilted
  * gantry gives directions that are not at right angles, and is named in LeftOut. Slope and intercept
  * are applied; the type is the smallest integer that has all values if both are whole numbers,
  * otherwise float32.

@@ -4,6 +4,7 @@
 #include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
+#include "Formats/Source/FileNames.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -101,6 +102,13 @@ Result<OpenedStep> OpenStep(
   return opened;
 }
 
+/// Whether a copy would have the name of the index: of the folder or file "rock" it is "rock.bvol".
+bool IsNamedAlike(FileSystem& files, const std::filesystem::path& source)
+{
+  const bool isFolder = !ListNames(files, source.string()).empty();
+  return source.extension().empty() || (isFolder && !IsZarrFolder(files, source.string()));
+}
+
 } // namespace
 
 SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
@@ -122,6 +130,10 @@ SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
   {
     file += '-' + name.Within.substr(begin);
     std::replace(file.begin(), file.end(), '/', '-');
+  }
+  else if (IsNamedAlike(files, source))
+  {
+    file += ".index";
   }
   const std::filesystem::path parent = folder.empty() ? source.parent_path() : MakeAbsolute(folder);
   return { name.GetText(), axes, (parent / (file + ".bvol")).string() };

@@ -2,8 +2,11 @@
 #include "Formats/Opener/ForeignVolume.h"
 
 #include "Formats/Opener/VolumeFormat.h"
+#include "Formats/Source/FileNames.h"
+#include "Formats/Source/SliceFiles.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace isosurface
 {
@@ -16,6 +19,15 @@ Result<OpenedVolume> OpenFormat(
   const VolumeFormat* const format = FindVolumeFormat(files, name);
   if (!format)
   {
+    const std::string kind =
+      SliceFiles::FindKind(IsPattern(files, name.Path) ? FindFittingNames(files, name.Path, nullptr)
+                                                       : ListNames(files, name.Path));
+    if (!kind.empty())
+    {
+      return Status(StatusCode::Unsupported,
+        name.Path + ": cannot be read in place: its slices are " + kind +
+          " files; copy them: blockvolume " + name.Path + " OUT.bvol");
+    }
     return Status(StatusCode::Unsupported,
       name.Path +
         ": cannot be read: it is neither MetaImage, NRRD, TIFF, nor of another format by "
@@ -38,6 +50,40 @@ Result<OpenedVolume> OpenFormat(
   return functions->Open(files, name, choice);
 }
 
+/// One of several files, each of which is a time step.
+Result<OpenedVolume> OpenStepFile(FileSystem& files, const VolumeName& name,
+  const std::vector<std::string>& steps, const VolumeChoice& choice, const PassedOver& over)
+{
+  VolumeChoice one = choice;
+  one.Step = 0;
+  const std::string& path = steps[std::min(choice.Step, steps.size() - 1)];
+  auto volume = OpenFormat(files, { path, name.Within }, one);
+  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  if (volume->Times.size() > 1)
+  {
+    return Status(StatusCode::Unsupported,
+      path + ": cannot be read as a time step of " + name.Path + ": it has " +
+        std::to_string(volume->Times.size()) + " time steps itself");
+  }
+  const std::string passed = over.GetText();
+  volume->LeftOut += (volume->LeftOut.empty() || passed.empty() ? "" : "; ") + passed;
+  volume->LeftOut += std::string(volume->LeftOut.empty() ? "" : "; ") + "the " +
+    std::to_string(steps.size()) + " files are time steps, numbered from 0";
+  volume->Files = { path };
+  volume->Times.resize(steps.size());
+  std::iota(volume->Times.begin(), volume->Times.end(), 0.0);
+  return volume;
+}
+
+Result<OpenedVolume> OpenFormatOrSteps(
+  FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
+{
+  PassedOver over;
+  const std::vector<std::string> steps = FindStepFiles(files, name.Path, &over);
+  return steps.empty() ? OpenFormat(files, name, choice)
+                       : OpenStepFile(files, name, steps, choice, over);
+}
+
 Result<std::vector<VolumeListing>> ListFormat(FileSystem& files, const VolumeName& name)
 {
   const VolumeFormat* const format = FindVolumeFormat(files, name);
@@ -48,7 +94,8 @@ Result<std::vector<VolumeListing>> ListFormat(FileSystem& files, const VolumeNam
     return Status(StatusCode::Unsupported,
       name.GetText() + ": cannot be listed: it is a file of one volume, or of an unknown format");
   }
-  return functions->List(files, name);
+  const std::vector<std::string> steps = FindStepFiles(files, name.Path);
+  return functions->List(files, steps.empty() ? name : VolumeName{ steps.front(), name.Within });
 }
 
 } // namespace
@@ -63,7 +110,7 @@ Result<OpenedVolume> OpenForeignVolume(
 {
   const VolumeName name = VolumeName::Parse(files, text);
   // What a file asks for may be more than there is, and libraries throw.
-  auto volume = Attempt(text, [&] { return OpenFormat(files, name, choice); });
+  auto volume = Attempt(text, [&] { return OpenFormatOrSteps(files, name, choice); });
   if (volume.IsOk() && choice.Step >= std::max<std::size_t>(1, volume->Times.size()))
   {
     return Status(StatusCode::InvalidArgument,

@@ -6,8 +6,9 @@
 #include "Formats/Plain/RawSamples.h"
 #include "Formats/Plain/RawVolume.h"
 #include "Formats/Source/FileNames.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/FormatModule.h"
-#include "Formats/Tiff/TiffStack.h"
+#include "Formats/Source/SliceFiles.h"
 #include "Formats/Zarr/ZarrVolume.h"
 
 #include <algorithm>
@@ -23,6 +24,8 @@ using Mark = VolumeFormat::Mark;
 
 constexpr std::string_view RawName = "raw";
 constexpr std::string_view Hdf5Mark = "\x89HDF\r\n\x1a\n";
+constexpr std::string_view DicomName = "DICOM";
+constexpr std::string_view TiffName = "TIFF";
 constexpr Mark DicomMark = { "DICM", 128 };
 
 /// The first bytes of a file; fewer, or none, if it does not have them.
@@ -65,21 +68,76 @@ bool IsZarr(FileSystem& files, const std::string& path, const Names& /*names*/)
   return IsZarrFolder(files, path);
 }
 
-bool HasDicom(FileSystem& files, const std::string& path, const Names& names)
+/// Whether a file begins as DICOM: with its signature, or else with an element of group 2 or 8, explicit
+/// or implicit, and short.
+bool IsDicomStart(const std::string& start)
 {
-  constexpr std::size_t most = 64;
-  const bool hasTiff = std::any_of(names.begin(), names.end(), IsTiffName);
-  return !hasTiff &&
-    std::any_of(names.begin(),
-      names.begin() + static_cast<std::ptrdiff_t>(std::min(most, names.size())),
-      [&](const std::string& name) {
-        return HasMark(ReadStart(files, (std::filesystem::path(path) / name).string()), DicomMark);
+  if (HasMark(start, DicomMark))
+  {
+    return true;
+  }
+  if (start.size() < 132)
+  {
+    return false;
+  }
+  const auto at = [&start](std::size_t byte) { return static_cast<unsigned char>(start[byte]); };
+  const auto isLetter = [&at](std::size_t byte) { return at(byte) >= 'A' && at(byte) <= 'Z'; };
+  const bool isExplicit = isLetter(4) && isLetter(5);
+  const bool isImplicit = at(5) == 0 && at(6) == 0 && at(7) == 0 && at(4) % 2 == 0;
+  const bool isLittle = (at(0) == 2 || at(0) == 8) && at(1) == 0 && at(3) == 0;
+  const bool isBig = at(0) == 0 && at(1) == 8 && at(2) == 0;
+  return (isLittle && (isExplicit || isImplicit)) || (isBig && isExplicit);
+}
+
+/// Looks for a file of DICOM in a folder, or else in the folders in it. `left`: how many files may be
+/// looked at.
+bool HasDicomFile(
+  FileSystem& files, const std::filesystem::path& folder, const Names& names, int depth, int& left)
+{
+  for (const std::string& name : names)
+  {
+    if (!IsHiddenName(name) && left-- > 0 &&
+      IsDicomStart(ReadStart(files, (folder / name).string())))
+    {
+      return true;
+    }
+  }
+  return depth > 0 &&
+    std::any_of(names.begin(), names.end(),
+      [&](const std::string& name)
+      {
+        const std::filesystem::path inner = folder / name;
+        return !IsHiddenName(name) && left-- > 0 &&
+          HasDicomFile(files, inner, ListNames(files, inner.string()), depth - 1, left);
       });
 }
 
-bool IsStack(FileSystem& /*files*/, const std::string& /*path*/, const Names& /*names*/)
+/// Folders of images have no folders of DICOM; a few images may be beside them.
+bool HasDicom(FileSystem& files, const std::string& path, const Names& names)
 {
-  return true;
+  constexpr int fewImages = 3;
+  constexpr int maximumDepth = 16;
+  const bool isPattern = IsPattern(files, path);
+  const std::string kind = SliceFiles::FindKind(names);
+  const auto images = std::count_if(names.begin(), names.end(),
+    [](const std::string& name) { return !SliceFiles::FindKind({ name }).empty(); });
+  int left = 100000;
+  return kind != "TIFF" &&
+    HasDicomFile(files, isPattern ? FindFolder(path) : path, names,
+      isPattern || images > fewImages ? 0 : maximumDepth, left);
+}
+
+/// Of folders that have nothing else, TIFF says what they lack.
+bool IsStack(FileSystem& files, const std::string& path, const Names& names)
+{
+  const std::string kind = SliceFiles::FindKind(names);
+  if (!kind.empty() || names.empty() || !IsPattern(files, path))
+  {
+    return kind.empty() || kind == "TIFF";
+  }
+  const std::string start =
+    ReadStart(files, (std::filesystem::path(FindFolder(path)) / names.front()).string());
+  return HasMark(start, { "II*" }) || HasMark(start, { "II+" }) || HasMark(start, { "MM" });
 }
 
 const std::vector<VolumeFormat>& GetFormats()
@@ -96,8 +154,8 @@ const std::vector<VolumeFormat>& GetFormats()
     { "NetCDF", { ".nc", ".nc4", ".cdf" }, { { "CDF\1" }, { "CDF\2" }, { "CDF\5" } }, nullptr, {},
       "NetcdfFormat", true },
     { "Zarr", {}, {}, IsZarr, { OpenZarrVolume, ListZarr }, nullptr, true },
-    { "DICOM", { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat" },
-    { "TIFF", { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat", true },
+    { DicomName, { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat" },
+    { TiffName, { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat", true },
     { RawName, { ".raw", ".raw.gz" }, {}, nullptr, RawSamplesFormat },
   };
   return formats;
@@ -132,11 +190,15 @@ Result<FormatFunctions> VolumeFormat::Load(const std::string& path) const
 
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
 {
-  const Names names = ListNames(files, name.Path);
-  if (!names.empty() || IsNamePattern(name.Path))
+  const bool isPattern = IsPattern(files, name.Path);
+  const Names names =
+    isPattern ? FindFittingNames(files, name.Path, nullptr) : ListNames(files, name.Path);
+  if (!names.empty() || isPattern)
   {
-    return FindFormat([&](const VolumeFormat& format)
+    const VolumeFormat* const folder = FindFormat([&](const VolumeFormat& format)
       { return format.IsFolder && format.IsFolder(files, name.Path, names); });
+    const Names steps = folder || !isPattern ? Names() : FindStepFiles(files, name.Path);
+    return steps.empty() ? folder : FindVolumeFormat(files, { steps.front(), name.Within });
   }
   const VolumeFormat* const named =
     FindFormat([&name](const VolumeFormat& format) { return format.HasExtension(name.Path); });
@@ -149,13 +211,47 @@ const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
     [&start](const VolumeFormat& format)
     {
       return std::any_of(format.Marks.begin(), format.Marks.end(),
-        [&start](const Mark& mark) { return HasMark(start, mark); });
+               [&start](const Mark& mark) { return HasMark(start, mark); }) ||
+        (format.Name == DicomName && IsDicomStart(start));
     });
   const std::string_view other = IsRawDescription(name.Within) ? RawName
     : !marked && HasHdf5Behind(files, name.Path)               ? "HDF5"
                                                                : "";
   return marked ? marked
                 : FindFormat([other](const VolumeFormat& format) { return format.Name == other; });
+}
+
+std::vector<std::string> FindStepFiles(
+  FileSystem& files, const std::string& pattern, PassedOver* over)
+{
+  Names paths;
+  if (!IsPattern(files, pattern))
+  {
+    return paths;
+  }
+  const Names fitting = FindFittingNames(files, pattern, over);
+  std::vector<NumberedName> names(fitting.begin(), fitting.end());
+  std::stable_sort(names.begin(), names.end());
+  const VolumeFormat* first = nullptr;
+  for (const NumberedName& name : names)
+  {
+    const std::string path = (std::filesystem::path(FindFolder(pattern)) / name.Name).string();
+    const VolumeFormat* const format = FindVolumeFormat(files, { path, "" });
+    first = first ? first : format;
+    if (first && (first->Name == DicomName || first->Name == TiffName))
+    {
+      return {}; // slices
+    }
+    if (format && format == first)
+    {
+      paths.push_back(path);
+    }
+    else if (over)
+    {
+      over->Add("of another kind", path);
+    }
+  }
+  return paths;
 }
 
 } // namespace isosurface

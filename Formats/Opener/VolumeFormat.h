@@ -2,6 +2,7 @@
 #ifndef isosurface_VolumeFormat_h
 #define isosurface_VolumeFormat_h
 
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/FormatFunctions.h"
 
 #include <string>
@@ -41,6 +42,11 @@ struct VolumeFormat
 /// bytes, or because the name says what its samples are. Null if it has none. Files that do not
 /// exist have one if their extension tells.
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name);
+
+/// The files of a pattern that are volumes of one format each, in the order of the numbers in their
+/// names: the time steps of a volume. None if it is no pattern, or if they are slices.
+std::vector<std::string> FindStepFiles(
+  FileSystem& files, const std::string& pattern, PassedOver* over = nullptr);
 
 } // namespace isosurface
 

@@ -2,10 +2,10 @@
 #include "Formats/Tiff/TiffImages.h"
 
 #include "Formats/Source/FormatFunctions.h"
+#include "Formats/Source/SliceFiles.h"
 #include "Formats/Source/TextFields.h"
 #include "Formats/Tiff/OmeXml.h"
 #include "Formats/Tiff/TiffDescription.h"
-#include "Formats/Tiff/TiffStack.h"
 
 #include <algorithm>
 #include <array>
@@ -150,7 +150,7 @@ Status TiffImages::ReadOme(const std::string& text)
 
 Result<std::string> TiffImages::ReadMetadata(const std::string& path)
 {
-  if (IsTiffName(path))
+  if (SliceFiles::FindKind({ std::filesystem::path(path).filename().string() }) == "TIFF")
   {
     const auto read = this->Files.Open(path);
     ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());

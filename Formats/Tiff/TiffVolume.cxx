@@ -2,9 +2,9 @@
 #include "Formats/Tiff/TiffVolume.h"
 
 #include "Formats/Source/ArraySource.h"
+#include "Formats/Source/SliceFiles.h"
 #include "Formats/Tiff/TiffImages.h"
 #include "Formats/Tiff/TiffPlanes.h"
-#include "Formats/Tiff/TiffStack.h"
 #include "Formats/Tiff/TiffUnits.h"
 
 #include <algorithm>
@@ -89,9 +89,10 @@ void TakePlaceAndNotes(const TiffPlanes& planes, TiffImage& image, OpenedVolume&
 
 Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
-  const auto paths = FindTiffStack(files, name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(paths.GetStatus());
-  TiffFiles read(files, paths->front());
+  const auto stack = SliceFiles::Find(files, name.Path);
+  ISOSURFACE_RETURN_IF_ERROR(stack.GetStatus());
+  const std::vector<std::string>& paths = stack->Paths;
+  TiffFiles read(files, paths.front());
   const auto images = TiffImages::Read(read, name, choice);
   ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
   auto image = images->Choose();
@@ -99,9 +100,9 @@ Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const V
   TiffPlanes planes(read, choice);
   const bool isOfOneFile = std::all_of(image->Runs.begin(), image->Runs.end(),
     [](const TiffImage::Run& run) { return run.File.empty(); });
-  if (paths->size() > 1 && isOfOneFile)
+  if (paths.size() > 1 && isOfOneFile)
   {
-    ISOSURFACE_RETURN_IF_ERROR(planes.TakeStack(*paths, *image));
+    ISOSURFACE_RETURN_IF_ERROR(planes.TakeStack(paths, *image));
     if (!image->Unit.empty() && image->Spacing[2] == 1)
     {
       image->AddNote("the distance of slices in several files is not told, and taken as 1");
@@ -110,10 +111,10 @@ Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const V
   else
   {
     ISOSURFACE_RETURN_IF_ERROR(planes.TakeImage(*image));
-    if (paths->size() > 1)
+    if (paths.size() > 1)
     {
       image->AddNote(
-        "the image is that of " + paths->front() + ", whose OME-XML says which files it is in");
+        "the image is that of " + paths.front() + ", whose OME-XML says which files it is in");
     }
   }
   planes.ChooseLevel();
@@ -122,6 +123,10 @@ Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const V
   OpenedVolume volume;
   volume.Grid.Extent = {};
   ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), choice.Arrays, volume));
+  if (!stack->LeftOut.empty())
+  {
+    image->AddNote(stack->LeftOut);
+  }
   if (!images->GetNotes().empty())
   {
     image->AddNote(images->GetNotes());
@@ -137,13 +142,14 @@ Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const V
 
 Result<std::vector<VolumeListing>> ListTiff(FileSystem& files, const VolumeName& name)
 {
-  const auto paths = FindTiffStack(files, name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(paths.GetStatus());
-  TiffFiles read(files, paths->front());
+  const auto stack = SliceFiles::Find(files, name.Path);
+  ISOSURFACE_RETURN_IF_ERROR(stack.GetStatus());
+  const std::vector<std::string>& paths = stack->Paths;
+  TiffFiles read(files, paths.front());
   const VolumeChoice choice;
   const auto images = TiffImages::Read(read, name, choice);
   ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
-  const auto own = read.Open(paths->front());
+  const auto own = read.Open(paths.front());
   ISOSURFACE_RETURN_IF_ERROR(own.GetStatus());
   const TiffFormat& format = (*own)->Contents.Formats.front();
   std::vector<VolumeListing> list;

@@ -13,7 +13,7 @@ namespace isosurface
  *     file           the first image of the file; the pages are slices, channels and time steps as
  *                    OME-XML, ImageJ or tifffile say in the descriptions, or all of them slices
  *     file:NAME      another image, by its name, identifier or number (from 0)
- *     folder, a*.tif a slice a page of all files (FindTiffStack); or, if the first one has OME-XML that
+ *     folder, a*.tif a slice a page of all files (SliceFiles); or, if the first one has OME-XML that
  *                    names others, its first image
  *
  * Channels are arrays, samples of a pixel components. Of a pyramid (tag SubIFDs) it may be a coarser

@@ -11,6 +11,7 @@
 #include "VolumeWriting.h"
 
 #include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/VolumeName.h"
@@ -49,7 +50,8 @@ std::string FindKind(const std::string& name)
 {
   const VolumeName parsed = VolumeName::Parse(GetLocalFileSystem(), name);
   std::error_code error;
-  if (!std::filesystem::exists(parsed.Path, error))
+  if (!std::filesystem::exists(parsed.Path, error) &&
+    FindFittingNames(GetLocalFileSystem(), parsed.Path, nullptr).empty())
   {
     ThrowIfError({ StatusCode::NotFound, name + ": there is no such file or folder" });
   }

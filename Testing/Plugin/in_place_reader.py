@@ -234,8 +234,8 @@ class InPlaceReader(testing.TestCase):
         for path in (folder, folder + "/IM0003"):
             with self.subTest(path=path):
                 self.assertEqual(count_triangles(self.open(path), 150.5), expected)
-                self.assertTrue(os.path.exists(path + ".bvol"))
-                indexed, copied = simple.OpenDataFile(path + ".bvol"), testing.output("copy.bvol")
+                index = path + ".index.bvol"
+                indexed, copied = simple.OpenDataFile(index), testing.output("copy.bvol")
                 simple.SaveData(copied, proxy=indexed)
                 for volume in (indexed, simple.OpenDataFile(copied)):
                     contour = simple.StabbingContour(Input=volume)

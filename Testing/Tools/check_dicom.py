@@ -13,7 +13,7 @@ from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 from pydicom.uid import DeflatedExplicitVRLittleEndian, ExplicitVRBigEndian, \
     ExplicitVRLittleEndian, ImplicitVRLittleEndian, RLELossless
 
-from sample_volumes import SourceCase, make_samples, run_claim
+from sample_volumes import SourceCase, make_samples, remove_volume, run_claim
 
 SHAPE = (9, 37, 70)
 
@@ -270,12 +270,16 @@ class PlacesAndErrors(Files):
         os.rename(self.path("mixed/1.2.3-1"), other)
         self.save("unsigned", samples.astype("uint16"))
         shutil.copy(self.path("unsigned/1.2.3-1"), self.path("mixed/1.2.3-1"))
-        self.assert_error("mixed", "mixed/1.2.3-", "its size or type differs from that of mixed/")
+        self.assert_equal_volumes(  # the type has the values of both
+            self.write("mixed", "o.bvol"), self.write_raw(samples.astype("int32"), "DICOM"))
 
     def test_what_is_no_series_of_slices_is_told(self):
         samples = make_samples("int16", SHAPE)
         for key, values, reason in (
-            ("s", {"PixelRepresentation": 0}, "its size or type differs"),
+            ("p", {"PixelSpacing": [1, 1.01]}, "its Pixel Spacing differs"),
+            ("o", {"ImageType": ["ORIGINAL", "PRIMARY", "M", "MOSAIC"]}, "a mosaic of slices"),
+            ("l", {"ModalityLUTSequence": [Dataset()]}, "a table (Modality LUT Sequence)"),
+            ("r", {"RescaleSlope": 0}, "its Rescale Slope is 0"),
             ("f", {"NumberOfFrames": "2"}, "it has 2 frames"),
             ("c", {"PhotometricInterpretation": "RGB", "SamplesPerPixel": 3}, "colours (RGB)"),
         ):
@@ -293,9 +297,6 @@ class PlacesAndErrors(Files):
         moved = self.path("kept")
         os.rename(missing, moved)
         self.assert_error("m", "m/1.2.3-", "a slice is missing", ranks=2)
-        shutil.copy(self.path("m/1.2.3-3"), self.path("m/copy"))
-        self.assert_error("m", "m/copy: cannot be read: it lies where m/1.2.3-3 does")
-        os.remove(self.path("m/copy"))
         with open(moved, "rb") as file:
             whole = file.read()
         for part in (140, 300, len(whole) - samples[0].nbytes // 2, len(whole) - 1):
@@ -304,7 +305,116 @@ class PlacesAndErrors(Files):
             self.assert_error("m", "m/1.2.3-1: cannot be read", "truncated")
         self.save("w", samples[:, :20], series="1.2.3")
         shutil.copy(self.path("w/1.2.3-1"), missing)
-        self.assert_error("m", "m/1.2.3-", "its size or type differs")
+        self.assert_error("m", "m/1.2.3-", "its size differs")
+
+
+class Folders(Files):
+    SHAPE = (71, 6, 8)
+
+    def save_some(self, folder, **more):
+        samples = make_samples("int16", self.SHAPE)
+        self.save(folder, samples, **more)
+        return samples
+
+    def assert_read(self, name, samples, *words):
+        """The volume of that name has the samples, and the terminal says so much and no more."""
+        expected = self.write_raw(samples, "DICOM")
+        path = self.path("o.bvol")
+        remove_volume(path)
+        code, _, err = self.run_tool(name, path, "--stores", "3")
+        self.assertEqual(code, 0, err)
+        self.assert_equal_volumes(path, expected)
+        told = [line for line in err.splitlines() if line.startswith("blockvolume:")]
+        self.assertEqual(len(told), 1 if words else 0, err)
+        for word in words:
+            self.assertIn(word, told[0])
+
+    def put(self, name, data):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        with open(self.path(name), "wb") as file:
+            file.write(data)
+
+    def test_files_that_are_no_slices_are_passed_over_and_counted(self):
+        samples = self.save_some("f")
+        apple = b"\0\5\x16\7\0\2\0\0Mac OS X        " + bytes(100)
+        for name in os.listdir(self.path("f")):
+            self.put("f/._" + name, apple)
+        for name, data in ((".DS_Store", b"\0\0\0\1Bud1"), ("Thumbs.db", b"\xd0\xcf"), ("apple.dcm", apple),
+                           ("notes.txt", b"8"), ("__MACOSX/a.dcm", b"no")):
+            self.put("f/" + name, data)
+        self.assert_read("f", samples, "f: passed over: 74 hidden (", "2 without an image of DICOM (apple.dcm, ...)")
+        self.assert_read("f/1.2.3-0", samples)
+        self.assert_read("f/1.2.3-*", samples)
+        self.put("none/a/notes.txt", b"8")
+        code, _, err = self.run_tool("none", "e.bvol")
+        self.assertEqual((code, err.count("TIFF,")), (1, 1), err)  # among all kinds that are read
+
+    def test_trees_and_files_without_preamble(self):
+        samples = self.save_some("flat")
+        names = sorted(os.listdir(self.path("flat")))
+        for number, name in enumerate(names):
+            with open(self.path("flat/" + name), "rb") as file:
+                data = file.read()
+            self.put(f"tree/st{number % 2}/se/{name}", data)
+            self.put("bare/" + name, data[132:])
+        self.put("tree/logo.jpg", b"\xff\xd8")
+        shutil.copy(get_testdata_file("DICOMDIR"), self.path("tree/DICOMDIR"))
+        for name in ("tree", "tree/DICOMDIR"):
+            self.assert_read(name, samples, "2 without an image of DICOM (DICOMDIR, ...)")
+        self.assert_read("bare", samples)
+        self.assert_read("bare/" + names[3], samples)
+        implicit = self.save_some("implicit", syntax=ImplicitVRLittleEndian)
+        for name in names:
+            path = self.path("implicit/" + name)
+            dataset = dcmread(path)
+            del dataset.file_meta
+            dataset.preamble = None
+            dataset.save_as(path)
+        self.assert_read("implicit", implicit)
+        self.save("tree/other", samples[:2], series="1.2.9")
+        self.assert_error("tree", "name one of its series", "1.2.3 (71 slices", "1.2.9 (2 slices")
+        self.assert_read("tree:1.2.3", samples, "passed over")
+
+    def test_scouts_and_copies(self):
+        samples = self.save_some("s")
+        self.save("scouts", samples[:2], row=(1, 0, 0), column=(0, 0, -1))
+        self.save("marked", samples[:1], origin=(0, 0, -50))
+        marked = dcmread(self.path("marked/1.2.3-0"))
+        marked.ImageType = ["ORIGINAL", "PRIMARY", "LOCALIZER"]
+        marked.save_as(self.path("s/a localizer"))
+        for number in range(2):
+            shutil.copy(self.path(f"scouts/1.2.3-{number}"), self.path(f"s/a scout {number}"))
+        shutil.copy(self.path("s/1.2.3-3"), self.path("s/1.2.3-3 (1)"))
+        self.assert_read("s", samples, "1 of a scout (a localizer)", "2 of another orientation (a scout 0, ...)",
+                         "1 copied (1.2.3-3 (1))")
+        other = dcmread(self.path("s/1.2.3-3"))
+        other.EchoNumbers = 2
+        other.PixelData = bytes(len(other.PixelData))
+        other.save_as(self.path("s/1.2.3-3 (1)"))
+        self.assert_error("s", "s/1.2.3-3 (1): cannot be read: it lies where s/1.2.3-3 does, and has another "
+                               "Echo Numbers (2, not )")
+
+    def test_what_is_not_obeyed_is_told(self):
+        for key, values, words in (
+            ("MONOCHROME1", {"PhotometricInterpretation": "MONOCHROME1"}, "low samples are the bright ones"),
+            ("padding", {"PixelPaddingValue": -2000}, "(Pixel Padding Value -2000)"),
+            ("spacing", {"PixelSpacing": None}, "there is no Pixel Spacing"),
+            ("between", {"SpacingBetweenSlices": 3}, "1 mm apart by their positions, 3 by Spacing Between"),
+            ("dose", {"DoseGridScaling": 0.5}, "not multiplied by the Dose Grid Scaling 0.5"),
+            ("real", {"RealWorldValueMappingSequence": [Dataset()]}, "Real World Value Mapping is not applied"),
+        ):
+            with self.subTest(key=key):
+                samples = make_samples("int16", (3, 6, 8))
+                self.save(key, samples)
+                for name in os.listdir(self.path(key)):
+                    file = dcmread(self.path(f"{key}/{name}"))
+                    for element, value in values.items():
+                        if element == "PixelPaddingValue":
+                            file.add_new(0x00280120, "SS", value)
+                        else:
+                            setattr(file, element, value)
+                    file.save_as(self.path(f"{key}/{name}"))
+                self.assert_read(key, samples, words)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,15 @@ bool IsThere(FileSystem& files, const std::string& path)
   return files.Exists(path) || (names.IsOk() && !names->empty());
 }
 
+/// Whether the last part of the path has * or ?, which stand for characters, in a folder that is there.
+bool IsPatternThere(FileSystem& files, const std::string& path)
+{
+  const std::size_t slash = path.rfind('/');
+  const std::size_t last = slash == std::string::npos ? 0 : slash + 1;
+  return path.find_first_of("*?", last) != std::string::npos &&
+    IsThere(files, last == 0 ? "." : path.substr(0, last));
+}
+
 } // namespace
 
 VolumeName VolumeName::Parse(FileSystem& files, const std::string& text)
@@ -24,7 +33,7 @@ VolumeName VolumeName::Parse(FileSystem& files, const std::string& text)
   for (; colon != std::string::npos && colon > 0; colon = text.rfind(':', colon - 1))
   {
     const std::string path = text.substr(0, colon);
-    if (IsThere(files, path))
+    if (IsThere(files, path) || IsPatternThere(files, path))
     {
       return { path, text.substr(colon + 1) };
     }

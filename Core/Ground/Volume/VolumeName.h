@@ -16,7 +16,7 @@ struct VolumeName
   std::string Path;
   std::string Within; ///< empty: the file says what to take
 
-  /// Splits at the last colon before which there is a file or a folder. A name that exists as it
+  /// Splits at the last colon before which there is a file, folder or pattern. A name that exists as it
   /// stands, or of which nothing exists, is a path as a whole.
   static VolumeName Parse(FileSystem& files, const std::string& text);
 

@@ -29,6 +29,12 @@ std::string MakeAbsolutePath(const std::string& path)
   return error ? path : absolute.string();
 }
 
+/// Whether there is a file, a folder, or one for a pattern: then the name of a volume may begin so.
+bool IsThere(FileSystem& files, const std::string& path)
+{
+  return VolumeName::Parse(files, path + ":array").Within == "array";
+}
+
 /// Everything that decides which bytes are which samples.
 std::uint64_t ComputeMetadata(const OpenedVolume& volume)
 {
@@ -107,7 +113,7 @@ std::uint64_t SourceRecord::ComputeDataset() const
 std::string SourceRecord::FindPath(FileSystem& files, const std::string& header) const
 {
   const std::string path = (FindFolder(header) / this->Path).lexically_normal().string();
-  return files.Exists(path) || !files.Exists(this->AbsolutePath) ? path : this->AbsolutePath;
+  return IsThere(files, path) || !IsThere(files, this->AbsolutePath) ? path : this->AbsolutePath;
 }
 
 Status SourceRecord::Validate() const
@@ -170,7 +176,7 @@ Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& he
   const SourceRecord& record, const GridGeometry& grid, const std::vector<ArrayDescription>& arrays)
 {
   const std::string path = record.FindPath(files, header);
-  if (!files.Exists(path))
+  if (!IsThere(files, path))
   {
     return Status(StatusCode::NotFound,
       path + ": has the samples of " + header +

@@ -56,6 +56,11 @@ TEST(SourceIndex, MetadataAndGroupsBelongToTheOutermostFolder)
   const SourceIndex run = Find(disk, "/data/run.h5", "/entry/data", "/scratch");
   EXPECT_EQ(run.Source, "/data/run.h5:/entry/data");
   EXPECT_EQ(run.Path, "/scratch/run.h5-entry-data.bvol");
+  // rock.bvol is what users call a copy of the folder "rock".
+  disk.SetFile("/data/rock/slice1.tif", MakeBytes("II"));
+  disk.SetFile("/data/rock.2/slice1.tif", MakeBytes("II"));
+  EXPECT_EQ(Find(disk, "/data/rock").Path, "/data/rock.index.bvol");
+  EXPECT_EQ(Find(disk, "/data/rock.2").Path, "/data/rock.2.index.bvol");
 }
 
 TEST(SourceIndex, VolumesAreOfferedAndOtherFilesAreNot)

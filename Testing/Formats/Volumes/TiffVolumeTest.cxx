@@ -270,7 +270,7 @@ TEST(TiffVolume, ReadsASeriesInTheOrderOfTheNumbers)
   ExpectStack(folder / "*b*", volume);
   std::filesystem::rename(folder / "a b11.TIF", folder / "elsewhere");
   ExpectRefused(folder / "a*.TIF", folder / "a b12.TIF", "missing");
-  ExpectRefused(folder / "c*.TIF", folder / "c*.TIF", "no TIFF files");
+  ExpectRefused(folder / "c*.TIF", folder / "c*.TIF", "no files of this name");
   const auto part = MakeRamp<std::uint8_t>({ 12, 9, 2 });
   WriteStack(folder / "x1.tif", part);
   WriteStack(folder / "x2.tif", part);

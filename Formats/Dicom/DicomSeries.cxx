@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Dicom/DicomSeries.h"
+
+#include "Formats/Source/TextFields.h"
+#include "Ground/Base/FileSystem.h"
+
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace isosurface
+{
+namespace
+{
+
+using AllSeries = std::map<std::string, DicomSeries>;
+
+constexpr int MaximumFolderDepth = 16;
+
+/// Whether there is a folder; not if the system does not tell.
+bool IsFolder(const std::string& path)
+{
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
+bool IsDirectoryFile(const std::string& path)
+{
+  return LowerText(std::filesystem::path(path).filename().string()) == "dicomdir";
+}
+
+/// Adds the image of a file to its series. False if it has none.
+Result<bool> AddImage(const std::string& path, AllSeries& all)
+{
+  std::string uid;
+  auto slice = DicomSlice::Read(path, &uid);
+  if (slice.IsOk())
+  {
+    all[uid].Slices.push_back(std::move(*slice));
+    return true;
+  }
+  if (slice.GetStatus().GetCode() == StatusCode::NotFound)
+  {
+    return false;
+  }
+  if (uid.empty())
+  {
+    return slice.GetStatus();
+  }
+  Status& fault = all[uid].Fault;
+  fault = fault.IsOk() ? slice.GetStatus() : fault;
+  return true;
+}
+
+/// Adds the images of a folder, or else those of the folders in it.
+Status AddFolder(const std::string& folder, const std::vector<std::string>& names, int depth,
+  AllSeries& all, PassedOver& over)
+{
+  std::vector<std::string> folders;
+  bool hasImages = false;
+  for (const std::string& name : names)
+  {
+    const std::string path = (std::filesystem::path(folder) / name).string();
+    std::error_code error;
+    if (IsHiddenName(name))
+    {
+      over.Add("hidden", path);
+    }
+    else if (IsFolder(path))
+    {
+      folders.push_back(path);
+    }
+    else if (std::filesystem::is_regular_file(path, error))
+    {
+      const auto isImage = AddImage(path, all);
+      ISOSURFACE_RETURN_IF_ERROR(isImage.GetStatus());
+      hasImages = hasImages || *isImage;
+      if (!*isImage)
+      {
+        over.Add("without an image of DICOM", path);
+      }
+    }
+  }
+  for (const std::string& inner : folders)
+  {
+    if (hasImages || depth == 0)
+    {
+      over.Add(hasImages ? "a folder beside images" : "a folder that is too deep", inner);
+      continue;
+    }
+    const auto within = GetLocalFileSystem().List(inner);
+    ISOSURFACE_RETURN_IF_ERROR(within.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(AddFolder(inner, *within, depth - 1, all, over));
+  }
+  return Status::Ok();
+}
+
+} // namespace
+
+Result<AllSeries> FindDicomSeries(const std::string& path, PassedOver& over)
+{
+  FileSystem& files = GetLocalFileSystem();
+  AllSeries all;
+  const std::string folder = IsFolder(path) ? path : FindFolder(path);
+  Result<std::vector<std::string>> names = std::vector<std::string>();
+  if (IsPattern(files, path))
+  {
+    names = FindFittingNames(files, path, &over);
+  }
+  else
+  {
+    names = files.List(folder);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(names.GetStatus());
+  const bool isTree = IsFolder(path) || IsDirectoryFile(path);
+  PassedOver ofFile; // nobody has asked for the other files
+  ISOSURFACE_RETURN_IF_ERROR(AddFolder(folder, *names, isTree ? MaximumFolderDepth : 0, all,
+    isTree || IsPattern(files, path) ? over : ofFile));
+  if (all.empty())
+  {
+    const std::string passed = over.GetText();
+    return Status(StatusCode::NotFound,
+      path + ": cannot be read: there are no images of DICOM" +
+        (passed.empty() ? "" : "; " + passed));
+  }
+  return all;
+}
+
+Result<std::vector<DicomSlice>> ChooseDicomSeries(const VolumeName& name, PassedOver& over)
+{
+  std::string wanted = name.Within;
+  const bool isImage = !IsFolder(name.Path) && !IsDirectoryFile(name.Path) &&
+    !IsPattern(GetLocalFileSystem(), name.Path);
+  if (isImage)
+  {
+    const auto slice = DicomSlice::Read(name.Path);
+    ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
+    wanted = slice->Series;
+  }
+  auto all = FindDicomSeries(name.Path, over);
+  ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
+  const auto take = [](DicomSeries& series) -> Result<std::vector<DicomSlice>>
+  {
+    ISOSURFACE_RETURN_IF_ERROR(series.Fault);
+    return std::move(series.Slices);
+  };
+  std::vector<DicomSeries*> fitting;
+  Status fault;
+  std::string known;
+  for (auto& [uid, series] : *all)
+  {
+    if (uid == wanted)
+    {
+      return take(series);
+    }
+    const std::vector<DicomSlice>& slices = series.Slices;
+    const bool isEnd = uid.size() >= wanted.size() &&
+      uid.compare(uid.size() - wanted.size(), wanted.size(), wanted) == 0;
+    if (isEnd && slices.empty())
+    {
+      fault = fault.IsOk() ? series.Fault : fault;
+    }
+    else if (isEnd)
+    {
+      fitting.push_back(&series);
+    }
+    if (!slices.empty())
+    {
+      known += (known.empty() ? "" : ", ") + uid + " (" + std::to_string(slices.size()) +
+        " slices, \"" + slices[0].Description + "\")";
+    }
+  }
+  if (fitting.empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(fault);
+  }
+  if (fitting.size() != 1)
+  {
+    return Status(StatusCode::NotFound,
+      name.GetText() + ": cannot be read: name one of its series, as in " + name.Path +
+        ":UID: " + known);
+  }
+  return take(*fitting[0]);
+}
+
+} // namespace isosurface
