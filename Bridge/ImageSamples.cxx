@@ -11,6 +11,7 @@
 #include "vtkIntArray.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
+#include "vtkStringArray.h"
 #include "vtkUniformGrid.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -24,6 +25,7 @@ namespace isosurface
 namespace
 {
 constexpr const char* WholeExtentName = "BlockedVolumeExtent";
+constexpr const char* LengthUnitName = "PhysicalSizeUnit";
 
 std::string NameOf(vtkDataArray* array)
 {
@@ -118,6 +120,7 @@ GridGeometry MakeGridGeometry(vtkImageData* image, const int wholeExtent[6])
   image->GetOrigin(grid.Origin.data());
   image->GetSpacing(grid.Spacing.data());
   std::copy_n(image->GetDirectionMatrix()->GetData(), 9, grid.Direction.begin());
+  grid.Unit = FindLengthUnitOf(image);
   return grid;
 }
 
@@ -148,6 +151,37 @@ bool FindWholeExtent(vtkImageData* image, int wholeExtent[6])
     }
   }
   return true;
+}
+
+void StoreLengthUnit(vtkDataObject* data, LengthUnit unit)
+{
+  if (unit == LengthUnit::Unknown)
+  {
+    return;
+  }
+  vtkNew<vtkStringArray> array;
+  array->SetName(LengthUnitName);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    array->InsertNextValue(GetLengthUnitName(unit));
+  }
+  data->GetFieldData()->AddArray(array);
+}
+
+LengthUnit FindLengthUnitOf(vtkDataObject* data)
+{
+  auto* array =
+    vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray(LengthUnitName));
+  const vtkIdType axes = array ? array->GetNumberOfValues() : 0;
+  const LengthUnit unit = axes > 0 ? FindLengthUnit(array->GetValue(0)) : LengthUnit::Unknown;
+  for (vtkIdType axis = 1; axis < axes; ++axis)
+  {
+    if (FindLengthUnit(array->GetValue(axis)) != unit)
+    {
+      return LengthUnit::Unknown;
+    }
+  }
+  return unit;
 }
 
 std::optional<double> FindTime(vtkDataObject* data)

@@ -50,6 +50,11 @@ ISOSURFACEBRIDGE_EXPORT GridGeometry MakeGridGeometry(
 ISOSURFACEBRIDGE_EXPORT void StoreWholeExtent(vtkImageData* image, const int wholeExtent[6]);
 ISOSURFACEBRIDGE_EXPORT bool FindWholeExtent(vtkImageData* image, int wholeExtent[6]);
 
+/// The unit of length of a dataset's coordinates: that of all axes in the field PhysicalSizeUnit, which
+/// vtkOMETIFFReader has, too.
+ISOSURFACEBRIDGE_EXPORT void StoreLengthUnit(vtkDataObject* data, LengthUnit unit);
+ISOSURFACEBRIDGE_EXPORT LengthUnit FindLengthUnitOf(vtkDataObject* data);
+
 /// The time of a dataset: that of the pipeline, else the field TimeValue, which files carry.
 ISOSURFACEBRIDGE_EXPORT std::optional<double> FindTime(vtkDataObject* data);
 

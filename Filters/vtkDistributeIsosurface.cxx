@@ -20,6 +20,7 @@
 #include "ControllerCommunicator.h"
 #include "CostFieldData.h"
 #include "ErrorReport.h"
+#include "ImageSamples.h"
 #include "NormalRounding.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "SurfacePolyData.h"
@@ -284,6 +285,7 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   {
     AddCost(ranks.GetRank(), exchange, *surface, querySeconds, output);
     isosurface::AddToFieldData(output, "Level", blocks.Level);
+    isosurface::StoreLengthUnit(output, header->Geometry.Unit);
     isosurface::MoveToPolyData(
       *surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header->Array : "", output);
     isosurface::StoreRanges(output, settings.Threads);

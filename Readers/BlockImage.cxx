@@ -164,6 +164,7 @@ vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const Vert
   image->SetOrigin(geometry.Origin.data());
   image->SetSpacing(geometry.Spacing.data());
   image->SetDirectionMatrix(geometry.Direction.data());
+  StoreLengthUnit(image, geometry.Unit);
   return image;
 }
 

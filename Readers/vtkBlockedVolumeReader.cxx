@@ -23,6 +23,7 @@
 #include "Ground/Base/BackgroundTask.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
+#include "ImageSamples.h"
 #include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -357,6 +358,8 @@ int vtkBlockedVolumeReader::RequestData(
   {
     partitions->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *time);
   }
+  // Filters hand on the field data of the composite, and not that of its parts.
+  isosurface::StoreLengthUnit(partitions, reading.Volume->GetHeader().Grid.Unit);
   const bool isBox = !this->Handle->IsOutputNeeded();
   status = isosurface::Attempt(reading.Volume->GetPath(),
     [&]

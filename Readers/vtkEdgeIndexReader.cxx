@@ -18,6 +18,7 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/WithinMemory.h"
+#include "ImageSamples.h"
 #include "NormalRounding.h"
 #include "Surface/Contour/TriangleNormals.h"
 #include "SurfacePolyData.h"
@@ -290,6 +291,7 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
   isosurface::MoveToPolyData(
     *surface, arrays, this->Reader.ComputeScalars ? header.Array : "", output);
   isosurface::StoreRanges(output, threads);
+  isosurface::StoreLengthUnit(output, header.Geometry.Unit);
   if (header.Time)
   {
     output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);

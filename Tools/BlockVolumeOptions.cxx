@@ -122,6 +122,7 @@ struct RawTexts
   std::string Name = "scalars";
   std::string Spacing;
   std::string Origin;
+  std::string Unit;
   std::uint64_t HeaderBytes = 0;
   bool IsBigEndian = false;
   bool IsGzip = false;
@@ -202,6 +203,7 @@ void AddInputOptions(CLI::App& app, RawTexts& texts)
   app.option_defaults()->group("Geometry, instead of that of IN");
   app.add_option("--spacing", texts.Spacing, "Distances between samples, X,Y,Z");
   app.add_option("--origin", texts.Origin, "Position of sample (0, 0, 0), X,Y,Z");
+  app.add_option("--unit", texts.Unit, "Unit of both: m, cm, mm, um, nm, angstrom, inch, ...");
   app.option_defaults()->group("Samples without a header (x fastest, one array)");
   app.add_option("--dimensions", texts.Dimensions, "Number of samples, X,Y,Z");
   app
@@ -357,6 +359,11 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
       ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
       *to = *values;
     }
+  }
+  options.Unit = FindLengthUnit(texts.Unit);
+  if (options.Unit == LengthUnit::Unknown && !texts.Unit.empty())
+  {
+    return MakeError("--unit", "\"" + texts.Unit + "\" is no unit of length, as m, mm, um or inch");
   }
   if (!texts.Dimensions.empty())
   {

@@ -50,6 +50,7 @@ struct BlockVolumeOptions
   std::optional<RawVolume> Raw;    ///< of a file without header
   std::optional<std::array<double, 3>> Spacing;
   std::optional<std::array<double, 3>> Origin;
+  LengthUnit Unit = LengthUnit::Unknown; ///< of spacing and origin; unknown: as the input says
 
   std::string Source; ///< the new place of the input of a volume in place
 

@@ -94,6 +94,10 @@ Json Describe(const EdgeIndexFile& file)
   const GridGeometry& grid = header.Geometry;
   json["grid"] = { { "dimensions", grid.GetDimensions() }, { "extent", grid.Extent },
     { "origin", grid.Origin }, { "spacing", grid.Spacing }, { "direction", grid.Direction } };
+  if (grid.Unit != LengthUnit::Unknown)
+  {
+    json["grid"]["unit"] = GetLengthUnitName(grid.Unit);
+  }
   json["array"] = header.Array;
   json["type"] = GetValueTypeName(header.Type);
   json["source"] = header.Source;
@@ -162,6 +166,10 @@ void Print(const Json& told)
   std::printf("spacing       %s\n", Join(grid["spacing"], " ").c_str());
   std::printf("origin        %s\n", Join(grid["origin"], " ").c_str());
   std::printf("direction     %s\n", Join(grid["direction"], " ").c_str());
+  if (grid.contains("unit"))
+  {
+    std::printf("unit          %s\n", grid["unit"].get<std::string>().c_str());
+  }
   std::printf("array         %s: %s, of %s\n", Dump(told["array"]).c_str(),
     told["type"].get<std::string>().c_str(), Dump(told["source"]).c_str());
   if (!told["time"].is_null())

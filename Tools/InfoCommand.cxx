@@ -51,6 +51,10 @@ Json MakeGrid(const BlockedVolume& volume)
 {
   const GridGeometry& grid = volume.GetHeader().Grid;
   Json told = { { "dimensions", grid.GetDimensions() }, { "extent", grid.Extent } };
+  if (grid.Unit != LengthUnit::Unknown)
+  {
+    told["unit"] = GetLengthUnitName(grid.Unit);
+  }
   if (const GridLines* lines = volume.GetLines(0))
   {
     told["coordinates"] = lines->Coordinates;
@@ -195,8 +199,13 @@ Result<Json> Describe(BlockedVolume& volume, bool withSpectrum)
   std::uint64_t sampleBytes = 0;
   for (const ArrayDescription& array : header.Arrays)
   {
-    result["arrays"].push_back({ { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
-      { "components", array.Components } });
+    Json told = { { "name", array.Name }, { "type", GetValueTypeName(array.Type) },
+      { "components", array.Components } };
+    if (!array.Unit.empty())
+    {
+      told["unit"] = array.Unit;
+    }
+    result["arrays"].push_back(std::move(told));
     sampleBytes += static_cast<std::uint64_t>(header.Grid.GetNumberOfVertices()) *
       GetValueSize(array.Type) * static_cast<std::uint64_t>(array.Components);
   }
@@ -340,6 +349,10 @@ Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
     std::printf("origin        %s\n", Join(grid["origin"], " ").c_str());
     std::printf("direction     %s\n", Join(grid["direction"], " ").c_str());
   }
+  if (grid.contains("unit"))
+  {
+    std::printf("unit          %s\n", grid["unit"].get<std::string>().c_str());
+  }
   std::printf("blocks        %s cells a side, %s levels\n", told["blockSize"].dump().c_str(),
     told["levels"].dump().c_str());
   const auto codec = told["compression"]["codec"].get<std::string>();
@@ -351,9 +364,10 @@ Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
   for (const Json& array : told["arrays"])
   {
     const auto components = array["components"].get<int>();
-    std::printf("array         %s: %s%s\n", array["name"].dump().c_str(),
+    std::printf("array         %s: %s%s%s\n", array["name"].dump().c_str(),
       array["type"].get<std::string>().c_str(),
-      components > 1 ? (", " + std::to_string(components) + " components").c_str() : "");
+      components > 1 ? (", " + std::to_string(components) + " components").c_str() : "",
+      array.contains("unit") ? (", unit " + array["unit"].dump()).c_str() : "");
   }
   for (std::size_t step = 0; step < told["timeSteps"].size(); ++step)
   {

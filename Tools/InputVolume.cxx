@@ -83,6 +83,11 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::si
     {
       volume->Lines.reset();
     }
+    if (options.Spacing || options.Unit != LengthUnit::Unknown)
+    {
+      // A spacing is in whatever unit the user has in mind.
+      volume->Grid.Unit = options.Unit;
+    }
     volume->Grid.Spacing = options.Spacing.value_or(volume->Grid.Spacing);
     volume->Grid.Origin = options.Origin.value_or(volume->Grid.Origin);
   }

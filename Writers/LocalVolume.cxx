@@ -31,6 +31,7 @@ Message Describe(const LocalVolume& local)
   add(local.Grid.Spacing);
   add(local.Grid.Direction);
   add(local.Time);
+  text += static_cast<char>(local.Grid.Unit);
   for (const ArrayDescription& array : local.Arrays)
   {
     text += GetValueTypeName(array.Type) + std::string("\n") + std::to_string(array.Components) +
@@ -172,6 +173,7 @@ Status LocalVolume::Agree(Communicator& ranks)
     take(this->Grid.Spacing);
     take(this->Grid.Direction);
     take(this->Time);
+    this->Grid.Unit = static_cast<LengthUnit>(*from++);
     this->Arrays.clear();
     while (from != end)
     {

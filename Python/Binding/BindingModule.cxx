@@ -110,12 +110,14 @@ std::string WriteIndex(const std::string& path, const std::string& axes, const s
 //------------------------------------------------------------------------------
 // Volumes
 
-std::vector<std::tuple<std::string, std::string, int>> ListArrays(const VolumeFile& file)
+/// Name, type, components and unit.
+std::vector<std::tuple<std::string, std::string, int, std::string>> ListArrays(
+  const VolumeFile& file)
 {
-  std::vector<std::tuple<std::string, std::string, int>> arrays;
+  std::vector<std::tuple<std::string, std::string, int, std::string>> arrays;
   for (const ArrayDescription& array : file.GetArrays())
   {
-    arrays.emplace_back(array.Name, GetValueTypeName(array.Type), array.Components);
+    arrays.emplace_back(array.Name, GetValueTypeName(array.Type), array.Components, array.Unit);
   }
   return arrays;
 }
@@ -138,8 +140,8 @@ py::tuple DescribeLevel(const VolumeFile& file, int level)
   {
     lines = description.Lines->Coordinates;
   }
-  return py::make_tuple(
-    grid.GetDimensions(), grid.Spacing, first, grid.Direction, lines, description.Chunk);
+  return py::make_tuple(grid.GetDimensions(), grid.Spacing, first, grid.Direction, lines,
+    description.Chunk, GetLengthUnitName(grid.Unit));
 }
 
 void ReadSamples(VolumeFile& file, py::array& samples, std::size_t array,
@@ -294,9 +296,15 @@ std::vector<std::string> ListValueTypes()
 VolumeWriting MakeWriting(const std::string& path, const Index3& dimensions,
   const std::array<double, 3>& spacing, const std::array<double, 3>& origin,
   const std::array<double, 9>& direction,
-  const std::optional<std::array<std::vector<double>, 3>>& lines)
+  const std::optional<std::array<std::vector<double>, 3>>& lines, const std::string& unit)
 {
   VolumeWriting writing;
+  writing.Grid.Unit = FindLengthUnit(unit);
+  if (writing.Grid.Unit == LengthUnit::Unknown && !unit.empty())
+  {
+    throw py::value_error(
+      "length_unit: " + unit + " is no unit of length, as m, mm, um, nm or inch");
+  }
   writing.Path = path;
   writing.Grid.Origin = origin;
   writing.Grid.Spacing = spacing;
@@ -335,17 +343,17 @@ void SetSettings(VolumeWriting& writing, int blockSize, std::uint32_t stores,
 }
 
 void WriteArrayLikes(const VolumeWriting& writing,
-  const std::vector<std::tuple<std::string, py::object, std::string, int>>& arrays,
+  const std::vector<std::tuple<std::string, py::object, std::string, int, std::string>>& arrays,
   const std::optional<Index3>& chunk)
 {
-  std::vector<std::string> names;
+  std::vector<ArrayDescription> descriptions;
   std::vector<ArrayLike> likes;
-  for (const auto& [name, object, type, components] : arrays)
+  for (const auto& [name, object, type, components, unit] : arrays)
   {
-    names.push_back(name);
+    descriptions.push_back({ name, FindValueType(type).value(), components, unit });
     likes.push_back({ object, FindValueType(type).value(), components });
   }
-  writing.WriteArrays(names, likes, chunk);
+  writing.WriteArrays(descriptions, likes, chunk);
 }
 
 } // namespace
@@ -389,13 +397,15 @@ PYBIND11_MODULE(_core, module)
     .def_property_readonly(
       "source", [](const SurfaceFile& file) { return file.GetHeader().Source; })
     .def_property_readonly("time", [](const SurfaceFile& file) { return file.GetHeader().Time; })
+    .def_property_readonly("length_unit",
+      [](const SurfaceFile& file) { return GetLengthUnitName(file.GetHeader().Geometry.Unit); })
     .def_property_readonly(
       "has_preview", [](const SurfaceFile& file) { return file.GetHeader().PreviewLevel > 0; })
     .def("read", &ReadSurface, "isovalues"_a, "preview"_a, "normals"_a, "threads"_a);
 
   py::class_<VolumeWriting>(module, "VolumeWriting")
     .def(py::init(&MakeWriting), "path"_a, "dimensions"_a, "spacing"_a, "origin"_a, "direction"_a,
-      "lines"_a)
+      "lines"_a, "length_unit"_a)
     .def("set", &SetSettings, "block_size"_a, "stores"_a, "replicas"_a, "codec"_a, "codec_level"_a,
       "time"_a, "append"_a, "memory"_a, "threads"_a)
     .def("write_arrays", &WriteArrayLikes, "arrays"_a, "chunk"_a)

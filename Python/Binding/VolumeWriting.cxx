@@ -32,14 +32,9 @@ void VolumeWriting::WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings
   ThrowIfError(status);
 }
 
-void VolumeWriting::WriteArrays(const std::vector<std::string>& names,
+void VolumeWriting::WriteArrays(const std::vector<ArrayDescription>& descriptions,
   const std::vector<ArrayLike>& arrays, const std::optional<Index3>& chunk) const
 {
-  std::vector<ArrayDescription> descriptions;
-  for (std::size_t n = 0; n < arrays.size(); ++n)
-  {
-    descriptions.push_back({ names[n], arrays[n].Type, arrays[n].Components });
-  }
   ArrayLikeSource source(arrays, this->Grid.GetDimensions(), chunk);
   SerialCommunicator alone;
   BlockedVolumeWriter writer(alone);

@@ -25,8 +25,8 @@ struct VolumeWriting
 
   /// Writes objects of Python. The GIL is held; it is released between their slices. Throws what
   /// Python raises, and errors. Warns of a disk that has no room for it, as WriteFile() does.
-  void WriteArrays(const std::vector<std::string>& names, const std::vector<ArrayLike>& arrays,
-    const std::optional<Index3>& chunk) const;
+  void WriteArrays(const std::vector<ArrayDescription>& descriptions,
+    const std::vector<ArrayLike>& arrays, const std::optional<Index3>& chunk) const;
   /// Writes the time steps of a file, of such times. All become visible with the last one, so that an
   /// error of any leaves an older volume. The GIL is held, and released meanwhile.
   void WriteFile(VolumeFile& file, const std::vector<std::optional<double>>& times) const;

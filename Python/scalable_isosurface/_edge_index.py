@@ -29,6 +29,8 @@ class EdgeIndex:
         Where the samples came from, in the words of who wrote the file.
     time : float or None
         Of the time step.
+    length_unit : str
+        Of the points: "mm", "um", ...; "" if it is not known.
     attributes : tuple of str
         Names of the arrays on the points.
     has_preview : bool
@@ -53,6 +55,7 @@ class EdgeIndex:
         self.name: str = self._file.array
         self.source: str = self._file.source
         self.time: Optional[float] = self._file.time
+        self.length_unit: str = self._file.length_unit
         self.attributes: Tuple[str, ...] = tuple(self._file.attributes)
         self.has_preview: bool = self._file.has_preview
 

@@ -107,6 +107,11 @@ class Volume:
         return numpy.dtype(self._opened.file.arrays[self._array][1])
 
     @property
+    def unit(self) -> str:
+        """The unit of the samples, as "HU" (Hounsfield units); "" if the file does not tell."""
+        return self._opened.file.arrays[self._array][3]
+
+    @property
     def _components(self) -> int:
         return self._opened.file.arrays[self._array][2]
 
@@ -174,12 +179,17 @@ class Volume:
         lines = self._description[4]
         return None if lines is None else tuple(numpy.array(axis) for axis in lines)
 
+    @property
+    def length_unit(self) -> str:
+        """The unit of spacing and coordinates, as "mm" or "um"; "" if the file does not tell."""
+        return self._description[6]
+
     # What else the file has.
 
     @property
     def arrays(self) -> Tuple[str, ...]:
         """The names of the arrays in the file."""
-        return tuple(name for name, _, _ in self._opened.file.arrays)
+        return tuple(name for name, *_ in self._opened.file.arrays)
 
     @property
     def steps(self) -> int:

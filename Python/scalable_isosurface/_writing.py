@@ -31,19 +31,22 @@ class _Place(NamedTuple):
     spacing: Optional[Sequence[float]]
     origin: Optional[Sequence[float]]
     direction: Any
+    length_unit: Optional[str]
 
     def make_writing(self, path: str, description: Sequence[Any]) -> _core.VolumeWriting:
         """`description`: of the source, as that of a VolumeFile."""
-        dimensions, spacing, origin, direction, lines, _ = description
+        dimensions, spacing, origin, direction, lines, _, unit = description
         if self.spacing is not None:
-            spacing, lines = _list_three("spacing", self.spacing), None
+            spacing, lines, unit = _list_three("spacing", self.spacing), None, ""
         elif lines is not None and (self.origin is not None or self.direction is not None):
             raise ValueError("the coordinates of a rectilinear grid say where it lies; spacing makes it regular")
         if self.origin is not None:
             origin = _list_three("origin", self.origin)
         if self.direction is not None:
             direction = numpy.reshape(numpy.asarray(self.direction, float), 9).tolist()
-        return _core.VolumeWriting(path, dimensions, spacing, origin, direction, lines)
+        if self.length_unit is not None:
+            unit = self.length_unit
+        return _core.VolumeWriting(path, dimensions, spacing, origin, direction, lines, unit)
 
 
 def create(
@@ -53,6 +56,7 @@ def create(
     spacing: Optional[Sequence[float]] = None,
     origin: Optional[Sequence[float]] = None,
     direction: Any = None,
+    length_unit: Optional[str] = None,
     name: Optional[str] = None,
     time: Optional[float] = None,
     append: bool = False,
@@ -82,6 +86,9 @@ def create(
         grid, origin and direction can be given only with spacing, which makes a regular grid of it.
     direction : array of 3 x 3, optional
         Its columns are the directions of x, y, z.
+    length_unit : str, optional
+        Of spacing and origin: "m", "mm", "um", "nm", "angstrom", "inch", ... If it is not given, that of the
+        file or the `Volume`; but with spacing none.
     name : str, optional
         Of the array, if there is one. If it is not given, that of the `Volume`, or "scalars".
     time : float, optional
@@ -130,7 +137,7 @@ def create(
     if codec_level and not codec_level.isdecimal():
         raise ValueError(f"{compression!r} is no compression; levels are numbers")
     settings = _Settings(block_size, stores, replicas, codec, int(codec_level or 0), memory, threads or 0)
-    place = _Place(spacing, origin, direction)
+    place = _Place(spacing, origin, direction, length_unit)
     if isinstance(source, (str, os.PathLike)):
         if name is not None:
             raise ValueError("name: the arrays of a file have names")
@@ -173,7 +180,7 @@ def _write_arrays(
         arrays = [_describe(source, name or (source.name if isinstance(source, Volume) else "scalars"))]
     if not arrays:
         raise ValueError("there is no array")
-    volumes = [array for _, array, _, _ in arrays if isinstance(array, Volume)]
+    volumes = [array for _, array, *_ in arrays if isinstance(array, Volume)]
     for volume in volumes:
         is_whole = volume.steps == 1 and {other.name for other in volumes}.issuperset(volume.arrays)
         if not append and not is_whole and _is_file_of(volume, path):
@@ -186,7 +193,7 @@ def _write_arrays(
         description: Tuple[Any, ...] = first._description
         time = first.times[first._step] if time is None else time
     else:
-        description = (dimensions, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), _IDENTITY, None, None)
+        description = (dimensions, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), _IDENTITY, None, None, "")
     writing = place.make_writing(path, description)
     writing.set(**settings._asdict(), time=time, append=append)
     writing.write_arrays(arrays, _find_chunk(first))
@@ -205,8 +212,8 @@ def _list_three(what: str, numbers: Any) -> List[float]:
     return numpy.asarray(numbers, float).tolist()
 
 
-def _describe(array: Any, name: str) -> Tuple[str, Any, str, int]:
-    """Name, array, type and components."""
+def _describe(array: Any, name: str) -> Tuple[str, Any, str, int, str]:
+    """Name, array, type, components and unit."""
     if not hasattr(array, "shape") or not hasattr(array, "dtype"):
         array = numpy.asarray(array)
     shape = tuple(array.shape)
@@ -217,7 +224,8 @@ def _describe(array: Any, name: str) -> Tuple[str, Any, str, int]:
     kind = numpy.dtype(array.dtype).newbyteorder("=").name
     if kind not in _core.VALUE_TYPES:
         raise TypeError(f"{name!r} has the type {kind}; samples are of {', '.join(_core.VALUE_TYPES)}")
-    return name, array, kind, shape[3] if len(shape) == 4 else 1
+    unit = array.unit if isinstance(array, Volume) else ""
+    return name, array, kind, shape[3] if len(shape) == 4 else 1, unit
 
 
 def _find_chunk(array: Any) -> Optional[List[int]]:

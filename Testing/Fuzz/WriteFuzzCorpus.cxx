@@ -77,6 +77,7 @@ void AddRectilinearHeader(Corpus& corpus)
 {
   BlockedVolumeHeader header;
   header.Grid.Extent = { -2, 2, 0, 1, 7, 7 };
+  header.Grid.Unit = LengthUnit::Millimeter;
   header.Lines = GridLines{ { { { -1.5, 0, 1e-3, 2, 1e6 }, { 0.25, 0.75 }, { 3 } } } };
   header.FrameGrid();
   header.BlockSize = 16;
@@ -287,6 +288,9 @@ void AddEdgeIndexFiles(Corpus& corpus)
 {
   EdgeIndexHeader header;
   AddEdgeIndexFile<std::uint8_t>(corpus, "lossless-uint8", 1, header);
+  header.Geometry.Unit = LengthUnit::Foot;
+  AddEdgeIndexFile<std::uint8_t>(corpus, "unit", 1, header);
+  header.Geometry.Unit = LengthUnit::Unknown;
   AddEdgeIndexFile<double>(corpus, "lossless-float64", 1, header);
   header.Settings.Profile = EdgeIndexProfile::Compact;
   AddEdgeIndexFile<std::int16_t>(corpus, "compact-int16", 1, header);

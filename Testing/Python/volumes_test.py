@@ -92,6 +92,18 @@ class Samples(VolumeTest):
         self.assertEqual(numpy.asarray(volume, numpy.float32).dtype, numpy.float32)
         numpy.testing.assert_array_equal(list(volume)[7], samples[7])
 
+    def test_units_are_told_and_kept(self):
+        samples = make_samples("uint8")
+        plain = si.create(samples, self.path("plain.bvol"))
+        self.assertEqual((plain.length_unit, plain.unit), ("", ""))
+        volume = si.create(samples, self.path("v.bvol"), spacing=(0.5, 1, 2), length_unit="micrometer")
+        self.assertEqual(volume.length_unit, "um")
+        self.assertEqual(si.create(volume, self.path("copy.bvol")).length_unit, "um")
+        # Another spacing may be in another unit.
+        self.assertEqual(si.create(volume, self.path("copy.bvol"), spacing=(1, 1, 1)).length_unit, "")
+        with self.assertRaisesRegex(ValueError, "length_unit: furlong is no unit of length"):
+            si.create(samples, self.path("v.bvol"), length_unit="furlong")
+
     def test_an_array_along_one_axis_chooses_what_it_chooses_in_numpy(self):
         samples = make_samples("int16", (*SHAPE, 3))
         volume = si.create(samples, self.path("v.bvol"))

@@ -146,6 +146,7 @@ bool WriteModes(const std::string& folder)
   fine.Settings.QuantizationMaximum = 0.3;
   EdgeIndexHeader working = MakeNamedHeader(waves, { 0.1 }, Mode::Quantized, Profile::Working);
   working.PreviewLevel = 1;
+  working.Geometry.Unit = LengthUnit::Foot;
   working.Settings.QuantizationMinimum = -0.5;
   working.Settings.QuantizationMaximum = 0.3;
   return Write(folder, "bounded-compact", bounded, waves) &&

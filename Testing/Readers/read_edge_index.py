@@ -30,6 +30,7 @@ TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "u
 MODES = ("lossless", "bounded", "quantized", "smallest")
 PROFILES = ("default", "fast", "compact", "working")
 VERSIONS = (1, 2)
+UNITS = ("", "m", "dm", "cm", "mm", "um", "nm", "pm", "angstrom", "km", "inch", "foot")
 
 
 class Bytes:
@@ -115,9 +116,11 @@ class Header:
                   for low, high in zip(self.extent[::2], self.extent[1::2])),
               "header: impossible extent")
         self.origin, self.spacing, self.direction = (source.unpack(n + "d") for n in "339")
-        self.blocks, time, has_time, self.preview_level, zeros, self.attribute_count, \
-            self.preview_error = source.unpack("QdBBHId")
-        check(has_time < 2 and self.preview_level <= 6 and zeros == 0
+        self.blocks, time, has_time, self.preview_level, unit, zero, self.attribute_count, \
+            self.preview_error = source.unpack("QdBBBBId")
+        check(unit < len(UNITS) and (unit == 0 or self.version > 1), "header: impossible unit")
+        self.unit = UNITS[unit]
+        check(has_time < 2 and self.preview_level <= 6 and zero == 0
               and self.attribute_count <= 256
               and (self.preview_level == 0 or 0 < self.preview_error <= 0.5),
               "header: impossible time, preview or count")

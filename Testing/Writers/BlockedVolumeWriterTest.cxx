@@ -6,10 +6,12 @@
 #include "TestVolumes.h"
 
 #include "vtkBlockedVolumeReader.h"
+#include "vtkStabbingContour.h"
 
 #include "vtkDataArray.h"
 #include "vtkErrorCode.h"
 #include "vtkExecutive.h"
+#include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationStringKey.h"
@@ -29,6 +31,14 @@ using namespace isosurface;
 
 namespace
 {
+
+// The unit of z in the field data.
+std::string GetLengthUnit(vtkDataObject* data)
+{
+  auto* units =
+    vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("PhysicalSizeUnit"));
+  return units && units->GetNumberOfValues() == 3 ? units->GetValue(2) : std::string();
+}
 
 class BlockedVolumeWriter : public testing::Test
 {
@@ -85,6 +95,38 @@ TEST_F(BlockedVolumeWriter, KeepsUnitsAndLeavesOutThoseThatAreNoText)
     ASSERT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
     EXPECT_EQ(header->Arrays[0].Unit, unit);
   }
+}
+
+TEST_F(BlockedVolumeWriter, KeepsTheUnitOfLengthWhichReaderAndSurfaceHandOn)
+{
+  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1));
+  vtkNew<vtkStringArray> units;
+  units->SetName("PhysicalSizeUnit");
+  for (const char* unit : { "micrometer", "\xC2\xB5m", "um" })
+  {
+    units->InsertNextValue(unit);
+  }
+  image->GetFieldData()->AddArray(units);
+  WriteVolume(image, this->GetPath());
+  const auto header = BlockedVolumeHeader::Read(GetLocalFileSystem(), this->GetPath());
+  ASSERT_TRUE(header.IsOk()) << header.GetStatus().GetMessage();
+  EXPECT_EQ(header->Grid.Unit, LengthUnit::Micrometer);
+
+  const auto reader = MakeReader(this->GetPath());
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(reader->GetOutputPort());
+  contour->SetValue(0, 0.5);
+  contour->Update();
+  EXPECT_EQ(GetLengthUnit(contour->GetOutput()), "um");
+  const auto alone = MakeReader(this->GetPath());
+  alone->Update();
+  EXPECT_EQ(GetLengthUnit(alone->GetOutput()->GetPartition(0)), "um");
+
+  // Axes of different units have none together.
+  units->SetValue(2, "mm");
+  WriteVolume(image, this->GetPath());
+  EXPECT_EQ(BlockedVolumeHeader::Read(GetLocalFileSystem(), this->GetPath())->Grid.Unit,
+    LengthUnit::Unknown);
 }
 
 TEST_F(BlockedVolumeWriter, RefusesWhatIsHidden)

@@ -15,6 +15,7 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
 
 using namespace isosurface;
 
@@ -171,6 +172,29 @@ TEST_F(TimeSteps, WithoutATimeCannotBeAppended)
   const ErrorCounter errors(this->Writer);
   EXPECT_EQ(this->Writer->Write(), 0);
   ExpectOneError(errors, { "has no time", "--time", "WriteAllTimeSteps" });
+}
+
+TEST_F(TimeSteps, InAnotherUnitOfLengthAreErrors)
+{
+  const auto append = [&](double time, const char* unit)
+  {
+    const auto image = TimeSource::MakeImageAt(0);
+    image->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
+    vtkNew<vtkStringArray> units;
+    units->SetName("PhysicalSizeUnit");
+    units->InsertNextValue(unit);
+    image->GetFieldData()->AddArray(units);
+    this->Writer->SetInputData(image);
+    this->Writer->SetAppendTimeStep(true);
+    return this->Writer->Write() == 1;
+  };
+  // One that is not known may be that of the others.
+  ASSERT_TRUE(append(0, ""));
+  ASSERT_TRUE(append(1, "mm"));
+  ASSERT_TRUE(append(2, ""));
+  const ErrorCounter errors(this->Writer);
+  EXPECT_FALSE(append(3, "m"));
+  ExpectOneError(errors, { this->Path, "coordinates are in mm, and not in m" });
 }
 
 // As readers of single files give it.

@@ -31,7 +31,8 @@ namespace
 // 224  8   time
 // 232  1   1 if there is a time
 // 233  1   preview level
-// 234  2   zeros
+// 234  1   unit of length: its number; 0 if it is not known, and in version 1
+// 235  1   zero
 // 236  4   number of attributes
 // 240  8   maximum error of the preview
 // 248  8n  isovalues: float64
@@ -42,7 +43,7 @@ namespace
 //      8   checksum of all before
 // A name or text is its size in bytes (4), and UTF-8.
 constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
-// Only mode Smallest differs: see EdgeIndexHeader::RoundsFaces.
+// Only mode Smallest (EdgeIndexHeader::RoundsFaces) and a unit of length differ.
 constexpr std::uint32_t Version = 2;
 constexpr std::uint32_t PlainVersion = 1;
 constexpr std::size_t SizeOffset = 12;
@@ -83,8 +84,9 @@ Status MakeCorruptHeader(const char* reason)
 class HeaderParser
 {
 public:
-  HeaderParser(const std::uint8_t* bytes, std::size_t size)
-    : Reader(bytes, size)
+  HeaderParser(std::uint32_t version, const std::uint8_t* bytes, std::size_t size)
+    : FormatVersion(version)
+    , Reader(bytes, size)
   {
   }
 
@@ -93,6 +95,10 @@ public:
     this->ReadSettings(header);
     this->ReadGrid(header.Geometry);
     this->ReadProvenance(header);
+    if (this->FormatVersion == PlainVersion && header.Geometry.Unit != LengthUnit::Unknown)
+    {
+      this->IsValid = false;
+    }
     if (this->Isovalues > MaximumIsovalues || this->Attributes > MaximumAttributes ||
       this->Isovalues > this->Reader.GetRemaining() / sizeof(double))
     {
@@ -112,7 +118,7 @@ public:
     }
     return this->IsValid
       ? Status::Ok()
-      : MakeCorruptHeader("has a type, mode, profile or flag that the format does not have");
+      : MakeCorruptHeader("has a type, mode, profile, unit or flag that the format does not have");
   }
 
 private:
@@ -145,7 +151,8 @@ private:
       header.Time = time;
     }
     header.PreviewLevel = this->Reader.Read<std::uint8_t>();
-    this->IsValid = this->Reader.Read<std::uint16_t>() == 0 && this->IsValid;
+    header.Geometry.Unit = this->ReadEnumerator(LengthUnit::Foot);
+    this->IsValid = this->Reader.Read<std::uint8_t>() == 0 && this->IsValid;
     this->Attributes = this->Reader.Read<std::uint32_t>();
     header.PreviewMaximumError = this->Reader.Read<double>();
   }
@@ -194,6 +201,7 @@ private:
     return text ? std::string(reinterpret_cast<const char*>(text), size) : std::string();
   }
 
+  std::uint32_t FormatVersion;
   ByteReader Reader;
   std::size_t Isovalues = 0;
   std::size_t Attributes = 0;
@@ -206,7 +214,8 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
 {
   const std::size_t first = bytes.size();
   bytes.insert(bytes.end(), Magic, Magic + sizeof(Magic));
-  const bool isPlain = this->Settings.Mode != EdgeIndexMode::Smallest || !this->RoundsFaces;
+  const bool isPlain = this->Geometry.Unit == LengthUnit::Unknown &&
+    (this->Settings.Mode != EdgeIndexMode::Smallest || !this->RoundsFaces);
   AppendLittleEndian(bytes, isPlain ? PlainVersion : Version);
   AppendLittleEndian(bytes, std::uint32_t{ 0 }); // the size, see below
   bytes.push_back(static_cast<std::uint8_t>(this->Type));
@@ -225,7 +234,8 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
   AppendLittleEndian(bytes, this->Time.value_or(0));
   bytes.push_back(this->Time.has_value() ? 1 : 0);
   bytes.push_back(static_cast<std::uint8_t>(this->PreviewLevel));
-  AppendLittleEndian(bytes, std::uint16_t{ 0 });
+  bytes.push_back(static_cast<std::uint8_t>(this->Geometry.Unit));
+  bytes.push_back(0);
   AppendLittleEndian(bytes, static_cast<std::uint32_t>(this->Attributes.size()));
   AppendLittleEndian(bytes, this->PreviewMaximumError);
   AppendAll(bytes, this->Isovalues);
@@ -288,8 +298,10 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
     return MakeCorruptHeader("does not match its checksum");
   }
   EdgeIndexHeader header;
-  header.RoundsFaces = LoadLittleEndian<std::uint32_t>(bytes + sizeof(Magic)) > PlainVersion;
-  HeaderParser parser(bytes + FieldsOffset, *length - HeaderChecksumSize - FieldsOffset);
+  const auto version = LoadLittleEndian<std::uint32_t>(bytes + sizeof(Magic));
+  header.RoundsFaces = version > PlainVersion;
+  HeaderParser parser(
+    version, bytes + FieldsOffset, *length - HeaderChecksumSize - FieldsOffset);
   ISOSURFACE_RETURN_IF_ERROR(parser.Parse(header));
   const Status valid = header.Check();
   if (!valid.IsOk())

@@ -2,6 +2,8 @@
 #ifndef isosurface_GridGeometry_h
 #define isosurface_GridGeometry_h
 
+#include "Ground/Volume/LengthUnit.h"
+
 #include <array>
 #include <cstdint>
 
@@ -23,6 +25,7 @@ struct GridGeometry
   std::array<double, 3> Origin{ 0, 0, 0 };
   std::array<double, 3> Spacing{ 1, 1, 1 };
   std::array<double, 9> Direction{ 1, 0, 0, 0, 1, 0, 0, 0, 1 }; ///< row-major
+  LengthUnit Unit = LengthUnit::Unknown; ///< of Origin and Spacing, and of grid lines
 
   /// Vertices on each axis; 0 for an empty extent.
   Index3 GetDimensions() const;
@@ -36,6 +39,7 @@ struct GridGeometry
   /// finite, a spacing of 0, directions that lie in a plane. Null if they have.
   const char* FindFault() const;
 
+  /// Whether the numbers are equal, whatever their units.
   bool operator==(const GridGeometry& other) const;
   bool operator!=(const GridGeometry& other) const { return !(*this == other); }
 };

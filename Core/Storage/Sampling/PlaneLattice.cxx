@@ -178,6 +178,7 @@ std::optional<PlaneLattice> PlaneLattice::Make(
     return std::nullopt;
   }
   PlaneLattice lattice{ VertexPlaces(grid, lines) };
+  lattice.Image.Unit = grid.Unit;
   const Vector3 normal = Normalize(plane.Normal);
   const std::vector<Vector3> cuts =
     CutEdges(lattice.Places, grid.GetDimensions(), plane.Origin, normal);

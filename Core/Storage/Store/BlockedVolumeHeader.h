@@ -62,6 +62,7 @@ struct TimeStepDescription
  *
  *   { "format": "ScalableIsosurface blocked volume", "formatVersion": 1,
  *     "grid": { "extent": [6], "origin": [3], "spacing": [3], "direction": [9],
+ *               "unit": string, if it is known,
  *               "coordinates": [ [x, ...], [y, ...], [z, ...] ], of a rectilinear grid alone },
  *     "blockSize": 16 | 32 | 64, "ghostLayers": 1, "numberOfLevels": L, "stores": D,
  *     "replicas": R, if it is above 1,

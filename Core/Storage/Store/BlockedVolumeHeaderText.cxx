@@ -105,6 +105,7 @@ GridGeometry ReadGrid(JsonMembers members)
   ReadNumbers(members, "origin", grid.Origin, IsNumber, reason);
   ReadNumbers(members, "spacing", grid.Spacing, IsNumber, reason);
   ReadNumbers(members, "direction", grid.Direction, IsNumber, reason);
+  grid.Unit = members.Has("unit") ? FindLengthUnit(members.GetString("unit")) : LengthUnit::Unknown;
   return grid;
 }
 
@@ -432,6 +433,10 @@ std::string BlockedVolumeHeader::Format() const
   document["formatVersion"] = FormatVersion;
   document["grid"] = { { "extent", this->Grid.Extent }, { "origin", this->Grid.Origin },
     { "spacing", this->Grid.Spacing }, { "direction", this->Grid.Direction } };
+  if (this->Grid.Unit != LengthUnit::Unknown)
+  {
+    document["grid"]["unit"] = GetLengthUnitName(this->Grid.Unit);
+  }
   if (this->Lines)
   {
     document["grid"]["coordinates"] = this->Lines->Coordinates;

@@ -49,6 +49,12 @@ std::string FindObstacle(const BlockedVolumeHeader& existing, const BlockedVolum
   {
     reason = "it has another extent, origin, spacing or direction";
   }
+  else if (existing.Grid.Unit != header.Grid.Unit && existing.Grid.Unit != LengthUnit::Unknown &&
+    header.Grid.Unit != LengthUnit::Unknown)
+  {
+    reason = std::string("its coordinates are in ") + GetLengthUnitName(existing.Grid.Unit) +
+      ", and not in " + GetLengthUnitName(header.Grid.Unit);
+  }
   else if (!std::equal(existing.Arrays.begin(), existing.Arrays.end(), header.Arrays.begin(),
              header.Arrays.end(), isSameArray))
   {
@@ -204,6 +210,7 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
   {
     // Lines alone say where a rectilinear grid is.
     header.Grid = existing->Grid;
+    header.Grid.Unit = grid.Unit;
   }
   header.BlockSize = settings.BlockSize;
   header.NumberOfStores = settings.NumberOfStores != 0 ? settings.NumberOfStores
@@ -243,6 +250,10 @@ Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeomet
     if (!obstacle.empty())
     {
       return Status(StatusCode::InvalidArgument, path + ": cannot be appended to: " + obstacle);
+    }
+    if (header.Grid.Unit == LengthUnit::Unknown)
+    {
+      header.Grid.Unit = existing->Grid.Unit;
     }
     header.NumberOfLevels = existing->NumberOfLevels;
     header.Overviews = existing->Overviews;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 using namespace isosurface;
@@ -137,6 +138,25 @@ TEST(EdgeIndexCorruption, AProfileThatTheFormatDoesNotHaveIsCorrupt)
   StoreLittleEndian(bytes.data() + size - 8, ComputeChecksum(bytes.data(), size - 8));
   EXPECT_EQ(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).GetStatus().GetCode(),
     StatusCode::Corrupt);
+}
+
+TEST(EdgeIndexCorruption, AUnitThatTheVersionDoesNotHaveIsCorrupt)
+{
+  std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+  std::size_t size = 0;
+  ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
+  const std::size_t header = size;
+  for (const auto& [version, unit, isValid] : { std::tuple(2, 0, true), std::tuple(2, 11, true),
+         std::tuple(2, 12, false), std::tuple(1, 1, false) })
+  {
+    bytes[8] = static_cast<std::uint8_t>(version);
+    bytes[234] = static_cast<std::uint8_t>(unit);
+    StoreLittleEndian(bytes.data() + header - 8, ComputeChecksum(bytes.data(), header - 8));
+    const auto parsed = EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size);
+    EXPECT_EQ(parsed.GetStatus().GetCode(), isValid ? StatusCode::Ok : StatusCode::Corrupt)
+      << version << ", " << unit;
+    EXPECT_TRUE(!isValid || parsed->Geometry.Unit == static_cast<LengthUnit>(unit));
+  }
 }
 
 TEST(EdgeIndexCorruption, OtherVersionsAreUnsupported)

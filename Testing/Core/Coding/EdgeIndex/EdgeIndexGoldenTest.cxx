@@ -106,7 +106,7 @@ void CheckDecoded(const std::vector<std::uint8_t>& golden, EdgeIndexMode mode, b
 /// Reads a golden file, and what the encoder makes now; both must be equal, and be the surface.
 template <typename T>
 void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile,
-  bool normals = false, bool roundsFaces = false)
+  bool normals = false, bool roundsFaces = false, LengthUnit unit = LengthUnit::Unknown)
 {
   const std::vector<std::uint8_t> golden = ReadGolden(name);
   const SampleVolume<T> volume = MakeGoldenVolume<T>();
@@ -114,6 +114,7 @@ void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile p
   MemoryDisk disk;
   EdgeIndexHeader header = MakeGoldenHeader<T>(mode, profile);
   header.RoundsFaces = roundsFaces;
+  header.Geometry.Unit = unit;
   if (normals)
   {
     header.Attributes = { { "Normals", ValueType::Float32, 3, 0.0078125, true } };
@@ -170,4 +171,10 @@ TEST(EdgeIndexFilesOfVersion2, SmallestWithRoundedFaces)
 TEST(EdgeIndexFilesOfRelease1, PointAttributes)
 {
   CheckGolden<std::uint16_t>("normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
+}
+
+TEST(EdgeIndexFilesOfVersion2, TellTheUnitOfLength)
+{
+  CheckGolden<std::int16_t>("unit.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, false,
+    true, LengthUnit::Micrometer);
 }

@@ -223,6 +223,19 @@ TEST(BlockedVolumeHeader, HasTheUnitOfAnArrayOnlyIfItIsKnown)
   EXPECT_EQ(header.ValidateVolume().GetCode(), StatusCode::InvalidArgument);
 }
 
+TEST(BlockedVolumeHeader, HasTheUnitOfLengthOnlyIfItIsKnown)
+{
+  BlockedVolumeHeader header = MakeHeader();
+  header.Grid.Unit = LengthUnit::Micrometer;
+  EXPECT_NE(header.Format().find("\"unit\": \"um\""), std::string::npos);
+  const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
+  EXPECT_EQ(parsed.Grid.Unit, LengthUnit::Micrometer);
+  EXPECT_EQ(parsed.Format(), header.Format());
+  const auto other = Change([](Json& document) { document["grid"]["unit"] = "parsec"; });
+  EXPECT_EQ(Require(BlockedVolumeHeader::Parse(other, Path)).Grid.Unit, LengthUnit::Unknown);
+  ExpectRefused(Change([](Json& document) { document["grid"]["unit"] = 3; }), "grid.unit");
+}
+
 TEST(BlockedVolumeHeader, IgnoresMembersItDoesNotKnow)
 {
   const auto header = BlockedVolumeHeader::Parse(Change(
