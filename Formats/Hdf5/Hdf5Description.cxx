@@ -149,14 +149,16 @@ private:
 
   void ReadEmd()
   {
-    if (!this->File.ReadNumbers(this->Group, "emd_group_type", 1))
+    if (!this->File.ReadNumbers(this->Group, "emd_group_type", 1) &&
+      this->File.ReadText(this->Group, "emd_group_type") != "array")
     {
       return;
     }
+    const std::size_t first = this->File.Has(this->Group + "/dim0") ? 0 : 1; // of version 1: 0
     for (std::size_t axis = 0; axis < this->Axes.size(); ++axis)
     {
       AxisWords& words = this->Axes[axis];
-      this->TakeScale(axis, this->Group + "/dim" + std::to_string(axis + 1));
+      this->TakeScale(axis, this->Group + "/dim" + std::to_string(axis + first));
       if (words.Coordinates.size() == 2 && this->Shape[axis] > 2) // the first two stand for all
       {
         words.Step = words.Coordinates[1] - words.Coordinates[0];

@@ -85,6 +85,7 @@ public:
       image.Id = node.attribute("ID").value();
       ISOSURFACE_RETURN_IF_ERROR(this->ReadSizes(pixels, image));
       this->ReadPlace(pixels, image);
+      this->ReadTimes(pixels, image);
       this->ReadChannels(pixels, image);
       ISOSURFACE_RETURN_IF_ERROR(this->ReadRuns(pixels, image));
     }
@@ -161,6 +162,10 @@ private:
     {
       image.AddNote(missing + " of OME-XML is missing, and taken as 1");
     }
+  }
+
+  static void ReadTimes(const pugi::xml_node& pixels, TiffImage& image)
+  {
     const auto increment = FindLength(pixels, "TimeIncrement");
     image.TimeStep = increment.value_or(1);
     if (image.Sizes[TiffImage::Frames] > 1)

@@ -79,8 +79,10 @@ void TakePlace(const Properties& text, const TiffContents& contents, TiffImage& 
   image.Unit = NormalizeUnit(FindText(text, "unit"));
   const auto depth = FindReal(text, "spacing");
   const bool hasScale = !image.Unit.empty() || depth;
-  const auto invert = [](double perUnit)
-  { return std::isfinite(perUnit) && perUnit > 0 ? 1 / perUnit : 1; };
+  // 72 an inch is no scale to ImageJ.
+  const bool isOfScreen = contents.ResolutionUnit == 2 && contents.XResolution == 72;
+  const auto invert = [isOfScreen](double perUnit)
+  { return std::isfinite(perUnit) && perUnit > 0 && !isOfScreen ? 1 / perUnit : 1; };
   if (hasScale)
   {
     image.Spacing = { invert(contents.XResolution), invert(contents.YResolution),

@@ -294,6 +294,10 @@ class Descriptions(DescribedCase):
             emd.attrs["emd_group_type"] = 1
             emd["data"] = samples
             write_lines(emd, {"dim1": "z", "dim2": "y", "dim3": "x"})
+            emd = file.create_group("array")
+            emd.attrs["emd_group_type"] = "array"
+            emd["data"] = samples
+            write_lines(emd, {"dim0": "z", "dim1": "y", "dim2": "x"})
             file["tags/data"] = samples.transpose(1, 0, 2)
             file["tags/data"].attrs["axistags"] = json.dumps({"axes": [
                 {"key": key, "typeFlags": 2, "resolution": step} for key, step in (("y", 0.25), ("z", 2), ("x", 0.5))]})
@@ -306,7 +310,7 @@ class Descriptions(DescribedCase):
             file["uneven/z"] = lines["z"] ** 2
             file["uneven/z"].make_scale("z")
             uneven.dims[0].attach_scale(file["uneven/z"])
-        for name in ("scales", "emd"):
+        for name in ("scales", "emd", "array"):
             self.assert_volume(f"a.h5:/{name}/data", samples, "data", told=("mm",), **place)
         self.assert_volume("a.h5:/nexus/data", samples, "data", told=("mm", "z, rows, x"), **place)
         self.assert_volume("a.h5:/tags/data", samples, "data", spacing=place["spacing"])

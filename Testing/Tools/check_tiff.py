@@ -148,6 +148,9 @@ class OmeTiff(TiffCase):
         self.assertTrue(numpy.allclose(info["grid"]["spacing"], [0.25, 0.5, 0.75], rtol=1e-12))
         err = self.run_tool("t.ome.tif", "u.bvol")[2]
         self.assertIn("min", err)
+        self.write_pages("alone.ome.tif", images.reshape(-1, *SHAPE[1:]), make_ome(
+            SHAPE[1:], "<TiffData/>", (7, 1, 3), 'TimeIncrement="4"'))
+        self.assertEqual([step["time"] for step in self.find_info("alone.ome.tif")["timeSteps"]], [0, 4, 8])
         self.write_pages("flat.ome.tif", images[0], make_ome(
             SHAPE[1:], "<TiffData/>", (7, 1, 1), 'PhysicalSizeX="2" PhysicalSizeY="2"'))
         self.assert_image("flat.ome.tif", images[0], told=("PhysicalSizeZ of OME-XML is missing",), spacing=(2, 2, 1))
