@@ -154,9 +154,14 @@ bool CanBeIndexed(FileSystem& files, const std::string& chosen)
   {
     return IsWanted(whole);
   }
-  if (whole.GetStatus().GetCode() == StatusCode::Corrupt)
+  // A reader of VTK would show something else of a damaged file, or of one whose samples are missing.
+  const bool isPlain = !format->Module && !format->Functions.List;
+  if (whole.GetStatus().GetCode() == StatusCode::Corrupt ||
+    (whole.GetStatus().GetCode() == StatusCode::NotFound && isPlain))
   {
-    return format->Name != "MRC"; // other files, too, are called .map or .rec
+    // Other files, too, are called .map or .rec.
+    return format->Name != "MRC" || FindExtension(name.Path).compare(0, 4, ".mrc") == 0 ||
+      format->HasAnyMark(files, name.Path);
   }
   constexpr std::size_t most = 64;
   const std::vector<std::string> names = ListVolumes(files, chosen);

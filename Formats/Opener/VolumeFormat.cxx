@@ -146,7 +146,9 @@ const std::vector<VolumeFormat>& GetFormats()
   static const std::vector<VolumeFormat> formats = {
     { "MetaImage", { ".mhd", ".mha" }, {}, nullptr, { OpenRawVolume } },
     { "NRRD", { ".nrrd", ".nhdr" }, {}, nullptr, { OpenRawVolume } },
-    { "NIfTI", { ".nii", ".nii.gz" }, {}, nullptr, { OpenNiftiVolume } },
+    { "NIfTI", { ".nii", ".nii.gz" },
+      { { "n+1", 344 }, { "ni1", 344 }, { "n+2", 4 }, { "ni2", 4 } }, nullptr,
+      { OpenNiftiVolume } },
     { "MRC", { ".mrc", ".mrc.gz", ".map", ".map.gz", ".ccp4", ".rec", ".ali", ".st", ".mrcs" },
       { { "MAP", 208 } }, nullptr, { OpenMrcVolume } },
     { "HDF5", { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims", ".dream3d", ".mat" },
@@ -175,6 +177,13 @@ bool VolumeFormat::HasExtension(const std::string& path) const
 {
   return std::find(this->Extensions.begin(), this->Extensions.end(), FindExtension(path)) !=
     this->Extensions.end();
+}
+
+bool VolumeFormat::HasAnyMark(FileSystem& files, const std::string& path) const
+{
+  const std::string start = ReadStart(files, path);
+  return std::any_of(this->Marks.begin(), this->Marks.end(),
+    [&start](const Mark& mark) { return HasMark(start, mark); });
 }
 
 Result<FormatFunctions> VolumeFormat::Load(const std::string& path) const
@@ -206,7 +215,7 @@ const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
   {
     return named;
   }
-  const std::string start = ReadStart(files, name.Path);
+  const std::string start = ReadStart(files, FindNiftiHeader(name.Path));
   const VolumeFormat* const marked = FindFormat(
     [&start](const VolumeFormat& format)
     {

@@ -34,6 +34,8 @@ struct VolumeFormat
 
   /// Whether a file of this name is of the format, whatever is in it.
   bool HasExtension(const std::string& path) const;
+  /// Whether a file begins as those of the format do.
+  bool HasAnyMark(FileSystem& files, const std::string& path) const;
   /// The functions, of the module that is loaded if need be. Error: names the file and the module.
   Result<FormatFunctions> Load(const std::string& path) const;
 };

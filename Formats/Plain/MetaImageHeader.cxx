@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plain/MetaImageHeader.h"
 
+#include "Formats/Source/AxisUnits.h"
 #include "Formats/Source/HeaderLines.h"
 #include "Formats/Source/TextFields.h"
 
@@ -26,8 +27,9 @@ constexpr std::pair<const char*, ValueType> TypeNames[] = { { "met_char", ValueT
 class MetaImageParser
 {
 public:
-  explicit MetaImageParser(HeaderLines& header)
-    : Header(header)
+  MetaImageParser(FileSystem& files, HeaderLines& header)
+    : Files(files)
+    , Header(header)
   {
   }
 
@@ -123,6 +125,7 @@ private:
         return this->Unsupported("NDims is more than 3");
       }
     }
+    grid.Unit = FindLengthUnit(this->Get({ "distanceunits" }, ""));
     return this->TakeSpace(axes);
   }
 
@@ -191,8 +194,26 @@ private:
       return this->Corrupt("HeaderSize is impossible");
     }
     this->Volume.EndsWithSamples = *headerSize == -1;
+    if (this->Volume.EndsWithSamples && this->Volume.IsGzip)
+    {
+      return this->Unsupported("its HeaderSize, -1, does not tell where compressed samples begin");
+    }
     this->Volume.Offset = static_cast<std::uint64_t>(*headerSize == -1 ? 0 : *headerSize);
+    this->TellScale();
     return Status::Ok();
+  }
+
+  /// Samples are those of the file, as ITK gives them.
+  void TellScale()
+  {
+    const std::string slope = this->Get({ "elementtointensityfunctionslope" }, "1");
+    const std::string offset = this->Get({ "elementtointensityfunctionoffset" }, "0");
+    if (ParseDouble(slope) != 1.0 || ParseDouble(offset) != 0.0)
+    {
+      AddNote(this->Volume.LeftOut,
+        "the samples are not scaled by ElementToIntensityFunctionSlope, " + slope +
+          ", and -Offset, " + offset);
+    }
   }
 
   Status TakeFiles()
@@ -203,7 +224,9 @@ private:
     if (LowerText(first) == "local")
     {
       this->Volume.Paths = { this->Header.GetPath() };
-      this->Volume.Offset += this->Header.GetPosition();
+      // HeaderSize counts from the begin of the file.
+      this->Volume.Offset =
+        this->Volume.Offset > 0 ? this->Volume.Offset : this->Header.GetPosition();
     }
     else if (LowerText(first) == "list")
     {
@@ -215,7 +238,8 @@ private:
         }
       }
     }
-    else if (first.find('%') != std::string::npos)
+    else if (first.find('%') != std::string::npos &&
+      !this->Files.Exists(this->Header.ResolvePath(value)))
     {
       return this->TakePattern(words);
     }
@@ -253,6 +277,7 @@ private:
     return Status::Ok();
   }
 
+  FileSystem& Files;
   HeaderLines& Header;
   std::map<std::string, std::string> Fields;
   RawVolume Volume;
@@ -264,7 +289,7 @@ Result<RawVolume> ReadMetaImageHeader(FileSystem& files, const std::string& path
 {
   auto header = HeaderLines::Open(files, path);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  return MetaImageParser(*header).Parse();
+  return MetaImageParser(files, *header).Parse();
 }
 
 } // namespace isosurface

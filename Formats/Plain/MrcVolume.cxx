@@ -2,6 +2,7 @@
 #include "Formats/Plain/MrcVolume.h"
 
 #include "Formats/Plain/RawVolume.h"
+#include "Formats/Source/AxisUnits.h"
 #include "Formats/Source/BinaryHeader.h"
 #include "Formats/Source/ConvertedSource.h"
 #include "Formats/Source/PermutedSource.h"
@@ -82,6 +83,12 @@ public:
   }
 
   std::int64_t GetSteps() const { return this->Steps; }
+  /// Images of one section each, as those of a tilt series, have no distance.
+  bool IsStackOfImages() const
+  {
+    return this->Header.Get<std::int32_t>(SpaceGroup) == 0 &&
+      this->Header.Get<std::int32_t>(Intervals + 8) == 1 && this->Size[2] > 1;
+  }
   /// Which of x, y and z the columns, rows and sections are.
   const std::array<std::size_t, 3>& GetAxes() const { return this->To; }
 
@@ -95,7 +102,9 @@ public:
       grid.Extent[2 * this->To[axis]] = 0;
       grid.Extent[2 * this->To[axis] + 1] = this->Size[axis] - 1;
       const double spacing = static_cast<double>(lengths[axis]) / intervals[axis];
-      grid.Spacing[axis] = std::isfinite(spacing) && spacing > 0 ? spacing : 1;
+      const bool isTold = std::isfinite(spacing) && spacing > 0;
+      grid.Spacing[axis] = isTold ? spacing : 1;
+      grid.Unit = isTold ? LengthUnit::Angstrom : grid.Unit;
     }
     this->TakeAngles(grid);
     const auto origin = GetThree<float>(this->Header, Origins);
@@ -264,6 +273,17 @@ Result<OpenedVolume> OpenMrcVolume(
     *source = std::make_unique<PermutedSource>(std::move(*source), parser.GetAxes());
   }
   volume.Grid = parser.FindGrid();
+  if (parser.IsStackOfImages())
+  {
+    AddNote(
+      volume.LeftOut, "its sections are images that are no slices of a volume (space group 0)");
+  }
+  const std::uint64_t later =
+    *raw->CountBytes() * (static_cast<std::uint64_t>(parser.GetSteps()) - choice.Step - 1);
+  if (const std::string surplus = raw->DescribeSurplus(files, later); !surplus.empty())
+  {
+    AddNote(volume.LeftOut, surplus);
+  }
   volume.Arrays = { { "MRC", type, 1 } };
   volume.Source = std::move(*source);
   return volume;

@@ -2,12 +2,15 @@
 #include "Formats/Plain/NiftiVolume.h"
 
 #include "Formats/Plain/RawVolume.h"
+#include "Formats/Source/AxisUnits.h"
 #include "Formats/Source/BinaryHeader.h"
 #include "Formats/Source/ConvertedSource.h"
+#include "Formats/Source/FileNames.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -18,10 +21,16 @@ namespace
 
 constexpr std::size_t FirstSize = 348;
 constexpr std::size_t SecondSize = 540;
+/// Where samples begin if the header tells 0: behind it, and four bytes that tell of extensions.
+constexpr std::size_t ExtensionBytes = 4;
 constexpr std::pair<int, ValueType> Types[] = { { 2, ValueType::UInt8 }, { 4, ValueType::Int16 },
   { 8, ValueType::Int32 }, { 16, ValueType::Float32 }, { 64, ValueType::Float64 },
   { 256, ValueType::Int8 }, { 512, ValueType::UInt16 }, { 768, ValueType::UInt32 },
   { 1024, ValueType::Int64 }, { 1280, ValueType::UInt64 } };
+
+constexpr std::pair<int, const char*> OtherTypes[] = { { 1, "bits" }, { 32, "complex64" },
+  { 128, "RGB" }, { 1536, "float128" }, { 1792, "complex128" }, { 2048, "complex256" },
+  { 2304, "RGBA" } };
 
 /// The fields of both versions of the header.
 struct NiftiFields
@@ -30,6 +39,9 @@ struct NiftiFields
   std::array<double, 8> Distances{}; ///< "pixdim"
   int Type = 0;
   double Offset = 0;
+  int Units = 0; ///< "xyzt_units"
+  int Intent = 0;
+  bool IsPair = false; ///< whether the samples are in a file of their own, from Offset on
   SampleScale Scale;
   double FirstTime = 0;
   int QformCode = 0;
@@ -70,6 +82,9 @@ NiftiFields TakeFirstFields(const BinaryHeader& header)
   auto fields = TakeFields<float, std::int16_t, std::int16_t>(
     header, { 40, 76, 70, 108, 112, 136, 252, 256, 268, 280 });
   fields.Offset = header.Get<float>(108);
+  fields.Units = header.Get<std::uint8_t>(123);
+  fields.Intent = header.Get<std::int16_t>(68);
+  fields.IsPair = header.HasText(344, "ni1");
   return fields;
 }
 
@@ -78,6 +93,9 @@ NiftiFields TakeSecondFields(const BinaryHeader& header)
   auto fields = TakeFields<double, std::int64_t, std::int32_t>(
     header, { 16, 104, 12, 168, 176, 216, 344, 352, 376, 400 });
   fields.Offset = static_cast<double>(header.Get<std::int64_t>(168));
+  fields.Units = header.Get<std::int32_t>(500);
+  fields.Intent = header.Get<std::int32_t>(504);
+  fields.IsPair = header.HasText(4, "ni2");
   return fields;
 }
 
@@ -124,14 +142,27 @@ void TakeQuaternion(const NiftiFields& fields, GridGeometry& grid)
   grid.Origin = fields.QuaternionOffset;
 }
 
-void TakePlace(const NiftiFields& fields, GridGeometry& grid)
+/// Spacing, direction, origin, unit. What they are not of is told.
+void TakePlace(const NiftiFields& fields, GridGeometry& grid, std::string& told)
 {
+  constexpr LengthUnit units[] = { LengthUnit::Unknown, LengthUnit::Meter, LengthUnit::Millimeter,
+    LengthUnit::Micrometer };
+  const int unit = fields.Units & 7;
+  grid.Unit = unit < 4 ? units[unit] : LengthUnit::Unknown;
+  const bool isEmpty = std::all_of(fields.Rows.begin(), fields.Rows.end(),
+    [](const auto& row) { return std::count(row.begin(), row.begin() + 3, 0.0) == 3; });
+  if (fields.SformCode > 0 && isEmpty)
+  {
+    AddNote(told,
+      std::string("its sform is all zeros: it is placed by its ") +
+        (fields.QformCode > 0 ? "qform" : "distances of samples alone"));
+  }
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     const double distance = std::abs(fields.Distances[axis + 1]);
     grid.Spacing[axis] = distance > 0 ? distance : 1;
   }
-  if (fields.SformCode > 0)
+  if (fields.SformCode > 0 && !isEmpty)
   {
     std::array<std::array<double, 3>, 3> rows;
     for (std::size_t row = 0; row < 3; ++row)
@@ -156,7 +187,7 @@ Result<BinaryHeader> OpenHeader(FileSystem& files, const std::string& path, bool
     header->SetBigEndian(isBigEndian);
     const auto size = header->Get<std::int32_t>(0);
     isSecond = size == SecondSize;
-    if (isSecond && header->HasText(4, "n+2"))
+    if (isSecond && (header->HasText(4, "n+2") || header->HasText(4, "ni2")))
     {
       header = BinaryHeader::Open(files, path, SecondSize);
       if (header.IsOk())
@@ -165,17 +196,40 @@ Result<BinaryHeader> OpenHeader(FileSystem& files, const std::string& path, bool
       }
       return header;
     }
-    if (size == FirstSize && header->HasText(344, "n+1"))
+    if (size == FirstSize && (header->HasText(344, "n+1") || header->HasText(344, "ni1")))
     {
       return header;
     }
   }
-  return header->MakeError(StatusCode::Corrupt, "it is not a single file of NIfTI");
+  return header->MakeError(StatusCode::Corrupt, "it is not a file of NIfTI");
 }
 
-/// Fills in the grid, type and place of the samples of a time step.
-Status TakeVolume(
-  const BinaryHeader& header, const NiftiFields& fields, std::size_t step, RawVolume& raw)
+/// Why a data type is not read.
+Status MakeTypeError(const BinaryHeader& header, int type)
+{
+  const auto* const other = std::find_if(std::begin(OtherTypes), std::end(OtherTypes),
+    [type](const auto& known) { return known.first == type; });
+  return header.MakeError(StatusCode::Unsupported,
+    "its data type " + std::to_string(type) +
+      (other == std::end(OtherTypes) ? std::string() : std::string(", ") + other->second + ",") +
+      " is not one of real numbers");
+}
+
+/// Where the samples of the first step begin. Nothing if they cannot be there.
+std::optional<double> FindStart(const NiftiFields& fields, bool isSecond)
+{
+  const double header = static_cast<double>(isSecond ? SecondSize : FirstSize);
+  if (fields.IsPair)
+  {
+    return fields.Offset >= 0 ? std::optional(fields.Offset) : std::nullopt;
+  }
+  const double start = fields.Offset == 0 ? header + ExtensionBytes : fields.Offset;
+  return start >= header ? std::optional(start) : std::nullopt;
+}
+
+/// Fills in the grid, type and place of the samples of a time step, of the samples from `start` on.
+Status TakeVolume(const BinaryHeader& header, const NiftiFields& fields,
+  std::optional<double> start, std::size_t step, RawVolume& raw)
 {
   const std::int64_t rank = fields.Dimensions[0];
   if (rank < 1 || rank > 7)
@@ -186,7 +240,8 @@ Status TakeVolume(
   double stepBytes = 1;
   for (std::size_t axis = 1; axis <= static_cast<std::size_t>(rank); ++axis)
   {
-    const std::int64_t size = fields.Dimensions[axis];
+    // Some writers tell 0 of an axis that they do not have.
+    const std::int64_t size = fields.Dimensions[axis] == 0 ? 1 : fields.Dimensions[axis];
     if (size < 1 || size > (std::int64_t{ 1 } << 31))
     {
       return header.MakeError(StatusCode::Corrupt, "it has an impossible number of samples");
@@ -194,7 +249,10 @@ Status TakeVolume(
     if (axis > 4 && size > 1)
     {
       return header.MakeError(StatusCode::Unsupported,
-        "it has " + std::to_string(size) + " samples on its axis number " + std::to_string(axis));
+        "it has " + std::to_string(size) + " samples on its axis number " + std::to_string(axis) +
+          (axis == 5 ? ": components of a vector or a tensor (intent code " +
+                std::to_string(fields.Intent) + ")"
+                     : std::string()));
     }
     if (axis <= 3)
     {
@@ -206,47 +264,82 @@ Status TakeVolume(
     [&fields](const auto& known) { return known.first == fields.Type; });
   if (type == std::end(Types))
   {
-    return header.MakeError(StatusCode::Unsupported,
-      "its data type " + std::to_string(fields.Type) + " is not one of real numbers");
+    return MakeTypeError(header, fields.Type);
   }
   raw.Type = type->second;
   stepBytes *= static_cast<double>(GetValueSize(raw.Type));
-  const double offset = fields.Offset + stepBytes * static_cast<double>(step);
-  if (!(fields.Offset >= static_cast<double>(FirstSize)) || !(offset + stepBytes < 0x1p53))
+  const double offset = start.value_or(0) + stepBytes * static_cast<double>(step);
+  if (!start || !(offset + stepBytes < 0x1p53))
   {
     return header.MakeError(StatusCode::Corrupt, "the place of its samples is impossible");
   }
-  (header.IsGzip() ? raw.Skip : raw.Offset) = static_cast<std::uint64_t>(offset);
+  (raw.IsGzip ? raw.Skip : raw.Offset) = static_cast<std::uint64_t>(offset);
   return Status::Ok();
 }
 
+/// The file of the samples of a pair: the header's with another extension.
+std::string FindImage(FileSystem& files, const std::string& path)
+{
+  std::filesystem::path image(path);
+  image = image.extension() == ".gz" ? image.replace_extension() : image;
+  image.replace_extension(".img");
+  const std::string packed = image.string() + ".gz";
+  return files.Exists(image.string()) || !files.Exists(packed) ? image.string() : packed;
+}
+
+/// The fourth axis: its places, and their unit, unless it is the second.
+void TakeTimes(const NiftiFields& fields, OpenedVolume& volume)
+{
+  const double distance = fields.Distances[4] > 0 ? fields.Distances[4] : 1;
+  for (std::int64_t step = 0; step < fields.Dimensions[4]; ++step)
+  {
+    volume.Times.push_back(fields.FirstTime + distance * static_cast<double>(step));
+  }
+  constexpr const char* units[] = { "", "", "ms", "us", "Hz", "ppm", "rad/s" };
+  const int unit = (fields.Units & 0x38) >> 3;
+  if (unit >= 2 && unit < 7)
+  {
+    AddNote(volume.LeftOut, std::string("its time steps are in ") + units[unit]);
+  }
+}
+
 } // namespace
+
+std::string FindNiftiHeader(const std::string& path)
+{
+  return FindExtension(path) == ".img"
+    ? std::filesystem::path(path).replace_extension(".hdr").string()
+    : path;
+}
 
 Result<OpenedVolume> OpenNiftiVolume(
   FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
   bool isSecond = false;
-  const auto header = OpenHeader(files, name.Path, isSecond);
+  const std::string path = FindNiftiHeader(name.Path);
+  const auto header = OpenHeader(files, path, isSecond);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
   const NiftiFields fields = isSecond ? TakeSecondFields(*header) : TakeFirstFields(*header);
   RawVolume raw;
   raw.IsBigEndian = header->IsBigEndian();
   raw.IsGzip = header->IsGzip();
-  raw.Paths = { name.Path };
-  ISOSURFACE_RETURN_IF_ERROR(TakeVolume(*header, fields, choice.Step, raw));
-  TakePlace(fields, raw.Grid);
+  raw.Paths = { path };
+  if (fields.IsPair)
+  {
+    raw.Paths = { FindImage(files, path) };
+    raw.IsGzip = FindExtension(raw.Paths.front()) == ".img.gz";
+  }
+  ISOSURFACE_RETURN_IF_ERROR(
+    TakeVolume(*header, fields, FindStart(fields, isSecond), choice.Step, raw));
   OpenedVolume volume;
+  TakePlace(fields, raw.Grid, volume.LeftOut);
   if (fields.Dimensions[0] >= 4 && fields.Dimensions[4] > 1)
   {
     if (fields.Dimensions[4] > MaximumTimeSteps)
     {
       return header->MakeError(StatusCode::Unsupported, "it has too many time steps");
     }
-    const double distance = fields.Distances[4] > 0 ? fields.Distances[4] : 1;
-    for (std::int64_t step = 0; step < fields.Dimensions[4]; ++step)
-    {
-      volume.Times.push_back(fields.FirstTime + distance * static_cast<double>(step));
-    }
+    TakeTimes(fields, volume);
   }
   if (choice.Step >= std::max<std::size_t>(1, volume.Times.size()))
   {
@@ -254,8 +347,13 @@ Result<OpenedVolume> OpenNiftiVolume(
   }
   auto source = raw.Open(files);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  const bool isScaled = fields.Scale.Slope != 0 && std::isfinite(fields.Scale.Slope) &&
-    std::isfinite(fields.Scale.Intercept) && !fields.Scale.IsIdentity();
+  const bool hasSlope = fields.Scale.Slope != 0 && std::isfinite(fields.Scale.Slope);
+  if (hasSlope && !std::isfinite(fields.Scale.Intercept))
+  {
+    return header->MakeError(
+      StatusCode::Corrupt, "its samples have a slope, and an intercept that is not finite");
+  }
+  const bool isScaled = hasSlope && !fields.Scale.IsIdentity();
   const ValueType type = isScaled ? FindScaledType(raw.Type) : raw.Type;
   if (isScaled)
   {
@@ -264,6 +362,11 @@ Result<OpenedVolume> OpenNiftiVolume(
   volume.Grid = raw.Grid;
   volume.Arrays = { { "NIFTI", type, 1 } };
   volume.Source = std::move(*source);
+  volume.Files = raw.Paths;
+  if (fields.IsPair)
+  {
+    volume.Files.push_back(path);
+  }
   return volume;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plain/NrrdHeader.h"
 
+#include "Formats/Source/AxisUnits.h"
 #include "Formats/Source/HeaderLines.h"
 #include "Formats/Source/TextFields.h"
 
@@ -45,8 +46,9 @@ const std::map<std::string, ValueType>& GetTypeNames()
 class NrrdParser
 {
 public:
-  explicit NrrdParser(HeaderLines& header)
-    : Header(header)
+  NrrdParser(FileSystem& files, HeaderLines& header)
+    : Files(files)
+    , Header(header)
   {
   }
 
@@ -69,13 +71,27 @@ private:
   {
     return this->Header.MakeError(StatusCode::Unsupported, "cannot be read: " + reason);
   }
-  std::string Get(const char* name, const char* otherName, const std::string& otherwise) const
+  /// The value of a field; names are without spaces, which writers leave out, too.
+  std::string Get(const char* name, const std::string& otherwise = {}) const
   {
     const auto found = this->Fields.find(name);
-    const auto other = this->Fields.find(otherName);
-    return found != this->Fields.end() ? found->second
-      : other != this->Fields.end()    ? other->second
-                                       : otherwise;
+    return found != this->Fields.end() ? found->second : otherwise;
+  }
+
+  /// Words, and texts between quotation marks.
+  static std::vector<std::string> SplitTexts(const std::string& text)
+  {
+    std::vector<std::string> texts;
+    for (std::size_t at = text.find_first_not_of(" \t"); at != std::string::npos;
+         at = text.find_first_not_of(" \t", at))
+    {
+      const bool isQuoted = text[at] == '"';
+      const std::size_t end =
+        std::min(isQuoted ? text.find('"', at + 1) : text.find_first_of(" \t", at), text.size());
+      texts.push_back(text.substr(at + (isQuoted ? 1 : 0), end - at - (isQuoted ? 1 : 0)));
+      at = std::min(text.size(), end + (isQuoted ? 1 : 0));
+    }
+    return texts;
   }
 
   /// Takes the lines "field: value" up to an empty line, or to the end. Names of files follow "data
@@ -103,11 +119,13 @@ private:
       {
         continue; // a key/value pair
       }
-      const std::string name = LowerText(TrimText(line->substr(0, colon)));
+      std::string name = LowerText(line->substr(0, colon));
+      name.erase(
+        std::remove_if(name.begin(), name.end(), [](char c) { return c == ' ' || c == '\t'; }),
+        name.end());
       const std::string value = TrimText(line->substr(colon + 1));
-      this->Fields[name] = value;
-      const bool isData = name == "data file" || name == "datafile";
-      if (isData && LowerText(value).compare(0, 4, "list") == 0)
+      this->Fields[name == "centerings" ? "centers" : name] = value;
+      if (name == "datafile" && LowerText(value).compare(0, 4, "list") == 0)
       {
         break;
       }
@@ -121,6 +139,10 @@ private:
     std::int64_t Size = 1;
     std::string Kind;
     std::string Spacing;
+    std::string Minimum;
+    std::string Maximum;
+    std::string Center;
+    std::string Unit;
     std::optional<std::vector<double>> Direction;
 
     /// Whether its samples are at different places in space (or time), instead of components of a
@@ -134,12 +156,12 @@ private:
 
   Status TakeSizes()
   {
-    const auto dimension = ParseInteger(this->Get("dimension", "", ""));
+    const auto dimension = ParseInteger(this->Get("dimension"));
     if (!dimension || *dimension < 2 || *dimension > 16)
     {
       return this->Unsupported("its dimension is not 2 to 16");
     }
-    const std::vector<std::string> sizes = SplitWords(this->Get("sizes", "", ""));
+    const std::vector<std::string> sizes = SplitWords(this->Get("sizes"));
     if (sizes.size() != static_cast<std::size_t>(*dimension))
     {
       return this->Corrupt("\"sizes\" does not have as many numbers as dimensions");
@@ -154,12 +176,16 @@ private:
       }
       this->Axes[axis].Size = *size;
     }
-    const auto kinds = SplitWords(LowerText(this->Get("kinds", "", "")));
-    const auto spacings = SplitWords(this->Get("spacings", "", ""));
-    for (std::size_t axis = 0; axis < sizes.size(); ++axis)
+    for (const auto& [name, member] : { std::pair("kinds", &Axis::Kind),
+           { "spacings", &Axis::Spacing }, { "axismins", &Axis::Minimum },
+           { "axismaxs", &Axis::Maximum }, { "centers", &Axis::Center }, { "units", &Axis::Unit } })
     {
-      this->Axes[axis].Kind = axis < kinds.size() ? kinds[axis] : "";
-      this->Axes[axis].Spacing = axis < spacings.size() ? spacings[axis] : "";
+      const std::string value = this->Get(name);
+      const auto texts = SplitTexts(member == &Axis::Unit ? value : LowerText(value));
+      for (std::size_t axis = 0; axis < sizes.size() && axis < texts.size(); ++axis)
+      {
+        this->Axes[axis].*member = texts[axis];
+      }
     }
     return this->TakeDirections();
   }
@@ -167,7 +193,7 @@ private:
   /// "space directions": "none" or "(a,b,c)" for each axis.
   Status TakeDirections()
   {
-    const std::string text = this->Get("space directions", "", "");
+    const std::string text = this->Get("spacedirections");
     std::size_t at = text.find_first_not_of(" \t");
     for (std::size_t axis = 0; !text.empty() && axis < this->Axes.size(); ++axis)
     {
@@ -231,16 +257,24 @@ private:
   Status TakeSpace()
   {
     ISOSURFACE_RETURN_IF_ERROR(this->ChooseAxes());
+    for (std::size_t axis = 0; axis < this->Axes.size(); ++axis)
+    {
+      if (this->Axes[axis].Kind == "time")
+      {
+        AddNote(this->Volume.LeftOut, std::string("its time is the axis ") + "xyz"[axis]);
+      }
+    }
     GridGeometry& grid = this->Volume.Grid;
     grid.Extent = { 0, 0, 0, 0, 0, 0 };
     std::size_t space = this->Axes.size();
     for (std::size_t axis = 0; axis < this->Axes.size(); ++axis)
     {
       grid.Extent[2 * axis + 1] = this->Axes[axis].Size - 1;
-      const auto spacing = ParseDouble(this->Axes[axis].Spacing);
-      // "nan" stands for an axis without a spacing.
-      grid.Spacing[axis] = spacing && std::isfinite(*spacing) ? *spacing : 1;
-      if (this->Axes[axis].Direction)
+      if (!this->Axes[axis].Direction)
+      {
+        this->TakeScalars(axis);
+      }
+      else
       {
         const std::vector<double>& vector = *this->Axes[axis].Direction;
         if (axis > 0 && vector.size() != space)
@@ -255,7 +289,7 @@ private:
     {
       this->SetNormal();
     }
-    const std::string origin = this->Get("space origin", "", "");
+    const std::string origin = this->Get("spaceorigin");
     if (!origin.empty())
     {
       const auto vector = ParseVector(origin);
@@ -263,9 +297,70 @@ private:
       {
         return this->Corrupt("\"space origin\" is not a vector of space");
       }
+      grid.Origin = {};
       std::copy(vector->begin(), vector->end(), grid.Origin.begin());
     }
+    this->TakeUnits();
     return Status::Ok();
+  }
+
+  /// Spacing and origin of an axis without a direction. Minimum and maximum are at the first and the last
+  /// sample (node), or at the borders of their cells (cell), which Teem takes where nothing is said.
+  void TakeScalars(std::size_t axis)
+  {
+    // "nan" stands for what an axis does not have.
+    const auto parse = [](const std::string& text)
+    {
+      const auto number = ParseDouble(text);
+      return number && std::isfinite(*number) ? number : std::nullopt;
+    };
+    const Axis& from = this->Axes[axis];
+    const auto minimum = parse(from.Minimum);
+    const auto maximum = parse(from.Maximum);
+    const std::int64_t parts = from.Size - (from.Center == "node" ? 1 : 0);
+    auto spacing = parse(from.Spacing);
+    if (!spacing && minimum && maximum && parts > 0)
+    {
+      spacing = (*maximum - *minimum) / static_cast<double>(parts);
+    }
+    GridGeometry& grid = this->Volume.Grid;
+    grid.Spacing[axis] = spacing.value_or(1);
+    if (minimum && spacing)
+    {
+      grid.Origin[axis] = *minimum + (from.Center == "node" ? 0 : *spacing / 2);
+    }
+    else if (minimum)
+    {
+      AddNote(this->Volume.LeftOut,
+        "the minimum of an axis, " + from.Minimum + ", has no effect without spacing or maximum");
+    }
+  }
+
+  /// The unit of length of the space, or else of the axes.
+  void TakeUnits()
+  {
+    std::array<std::string, 3> units;
+    const bool isOfSpace = this->Axes[0].Direction.has_value();
+    const std::vector<std::string> texts = SplitTexts(this->Get("spaceunits"));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      units[axis] = isOfSpace      ? (axis < texts.size() ? texts[axis] : "")
+        : axis < this->Axes.size() ? this->Axes[axis].Unit
+                                   : units[0];
+    }
+    if (isOfSpace && texts.size() == 2)
+    {
+      units[2] = units[0];
+    }
+    const bool isOne = units[1] == units[0] && units[2] == units[0];
+    // The axes of the space are not those of the grid, whose lengths are no multiples of one unit then.
+    if (isOfSpace && !isOne)
+    {
+      AddNote(
+        this->Volume.LeftOut, "the units of its space are not kept: " + this->Get("spaceunits"));
+      return;
+    }
+    TakeLengthUnits(units, this->Volume.Grid, this->Volume.LeftOut);
   }
 
   void SetDirection(std::size_t axis, const std::vector<double>& vector)
@@ -306,7 +401,7 @@ private:
 
   Status TakeSamples()
   {
-    const std::string type = LowerText(this->Get("type", "", ""));
+    const std::string type = LowerText(this->Get("type"));
     const auto found = GetTypeNames().find(type);
     if (found == GetTypeNames().end())
     {
@@ -314,29 +409,41 @@ private:
     }
     this->Volume.Type = found->second;
     this->Volume.ArrayName = "ImageFile";
-    const std::string encoding = LowerText(this->Get("encoding", "", ""));
+    const std::vector<std::string> unit = SplitTexts(this->Get("sampleunits"));
+    this->Volume.SampleUnit = unit.empty() ? "" : unit.front();
+    for (const char* name : { "oldmin", "oldmax" })
+    {
+      if (const std::string value = LowerText(this->Get(name)); !value.empty() && value != "nan")
+      {
+        AddNote(this->Volume.LeftOut,
+          std::string("samples are not brought back to the values before they were quantized (") +
+            name + " " + value + ")");
+      }
+    }
+    const std::string encoding = LowerText(this->Get("encoding"));
     this->Volume.IsGzip = encoding == "gzip" || encoding == "gz";
     if (!this->Volume.IsGzip && encoding != "raw")
     {
       return this->Unsupported("the encoding \"" + encoding + "\" is neither raw nor gzip");
     }
-    const std::string endian = LowerText(this->Get("endian", "", ""));
+    const std::string endian = LowerText(this->Get("endian"));
     if (endian != "little" && endian != "big" && GetValueSize(this->Volume.Type) > 1)
     {
       return this->Corrupt("\"endian\" is neither little nor big");
     }
     this->Volume.IsBigEndian = endian == "big";
-    const auto skip = ParseInteger(this->Get("byte skip", "byteskip", "0"));
-    const auto lines = ParseInteger(this->Get("line skip", "lineskip", "0"));
+    const auto skip = ParseInteger(this->Get("byteskip", "0"));
+    const auto lines = ParseInteger(this->Get("lineskip", "0"));
     if (!skip || *skip < -1 || (*skip == -1 && this->Volume.IsGzip))
     {
-      return this->Corrupt("\"byte skip\" is impossible");
+      return this->Corrupt("\"byte skip\" is impossible; -1 is of the encoding raw alone");
     }
     if (!lines || *lines < 0)
     {
       return this->Corrupt("\"line skip\" is impossible");
     }
     this->Volume.EndsWithSamples = *skip == -1;
+    this->Volume.IsWhole = true;
     this->Volume.Lines = static_cast<std::uint64_t>(*lines);
     this->Volume.Skip = static_cast<std::uint64_t>(*skip == -1 ? 0 : *skip);
     return Status::Ok();
@@ -344,7 +451,7 @@ private:
 
   Status TakeFiles()
   {
-    const std::string value = this->Get("data file", "datafile", "");
+    const std::string value = this->Get("datafile");
     const std::vector<std::string> words = SplitWords(value);
     if (words.empty())
     {
@@ -364,7 +471,8 @@ private:
         }
       }
     }
-    else if (words.size() >= 4 && words[0].find('%') != std::string::npos)
+    else if (words.size() >= 4 && words[0].find('%') != std::string::npos &&
+      !this->Files.Exists(this->Header.ResolvePath(value)))
     {
       const auto first = ParseInteger(words[1]);
       const auto last = ParseInteger(words[2]);
@@ -387,8 +495,9 @@ private:
     return names.empty() ? this->Corrupt("\"data file\" names no file") : Status::Ok();
   }
 
+  FileSystem& Files;
   HeaderLines& Header;
-  std::map<std::string, std::string> Fields;
+  std::map<std::string, std::string> Fields; ///< names in lower case, without spaces
   std::vector<Axis> Axes;
   RawVolume Volume;
 };
@@ -399,7 +508,7 @@ Result<RawVolume> ReadNrrdHeader(FileSystem& files, const std::string& path)
 {
   auto header = HeaderLines::Open(files, path);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  return NrrdParser(*header).Parse();
+  return NrrdParser(files, *header).Parse();
 }
 
 } // namespace isosurface

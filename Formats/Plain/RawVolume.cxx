@@ -3,6 +3,7 @@
 
 #include "Formats/Plain/MetaImageHeader.h"
 #include "Formats/Plain/NrrdHeader.h"
+#include "Formats/Source/AxisUnits.h"
 #include "Formats/Source/FileNames.h"
 #include "Formats/Source/GzipFile.h"
 #include "Formats/Source/RawSource.h"
@@ -85,7 +86,8 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
   if (this->IsGzip)
   {
     // Reading shows whether the stream has so many bytes.
-    auto inflated = std::make_unique<GzipFile>(std::move(*file), *behindLines, this->Skip + bytes);
+    auto inflated =
+      std::make_unique<GzipFile>(std::move(*file), *behindLines, this->Skip + bytes, this->IsWhole);
     return std::unique_ptr<RandomAccessFile>(
       std::make_unique<SectionFile>(std::move(inflated), this->Skip, bytes));
   }
@@ -101,8 +103,28 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
       path + ": truncated: it has " + std::to_string(available) + " bytes, but its samples are " +
         std::to_string(bytes) + " bytes from byte " + std::to_string(begin) + " on");
   }
+  if (this->IsWhole && available - begin > bytes)
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": it has " + std::to_string(available - begin - bytes) +
+        " bytes more than the samples that its header tells: their size, type or place is another");
+  }
   return std::unique_ptr<RandomAccessFile>(
     std::make_unique<SectionFile>(std::move(*file), begin, bytes));
+}
+
+std::string RawVolume::DescribeSurplus(FileSystem& files, std::uint64_t known) const
+{
+  const auto file = files.OpenForReading(this->Paths.front());
+  const auto bytes = this->CountBytes();
+  if (this->IsGzip || this->EndsWithSamples || this->Lines > 0 || !file.IsOk() || !bytes)
+  {
+    return {};
+  }
+  const std::uint64_t end = this->Offset + this->Skip + *bytes / this->Paths.size() + known;
+  const std::uint64_t size = (*file)->GetSize();
+  return size <= end ? std::string()
+                     : std::to_string(size - end) + " bytes behind the samples are not read";
 }
 
 Result<std::unique_ptr<BoxSource>> RawVolume::Open(FileSystem& files) const
@@ -142,7 +164,12 @@ Result<OpenedVolume> RawVolume::OpenVolume(FileSystem& files) const
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
   OpenedVolume volume;
   volume.Grid = this->Grid;
-  volume.Arrays = { { this->ArrayName, this->Type, 1 } };
+  volume.Arrays = { { this->ArrayName, this->Type, 1, this->SampleUnit } };
+  volume.LeftOut = this->LeftOut;
+  if (const std::string surplus = this->DescribeSurplus(files); !surplus.empty())
+  {
+    AddNote(volume.LeftOut, surplus);
+  }
   volume.Source = std::move(*source);
   volume.Files = this->Paths;
   return volume;

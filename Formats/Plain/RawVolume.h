@@ -21,9 +21,12 @@ struct RawVolume
   GridGeometry Grid;
   ValueType Type = ValueType::UInt8;
   std::string ArrayName = "scalars";
+  std::string SampleUnit; ///< of the samples; empty if it is not known
+  std::string LeftOut;    ///< as OpenedVolume::LeftOut
   bool IsBigEndian = false;
   bool IsGzip = false;          ///< each file is a gzip or zlib stream
   bool EndsWithSamples = false; ///< the samples are the last bytes of each file; ignores Offset
+  bool IsWhole = false; ///< more bytes behind the samples are an error; otherwise they are told
 
   // A file consists of Offset bytes, Lines lines of text, Skip bytes, and the samples. If it is
   // compressed, the stream begins after the lines, and contains the Skip bytes.
@@ -39,6 +42,9 @@ struct RawVolume
   Result<std::unique_ptr<BoxSource>> Open(FileSystem& files) const;
   /// The same, as a volume.
   Result<OpenedVolume> OpenVolume(FileSystem& files) const;
+  /// What to tell of bytes behind the samples of the first file, but for `known` that belong there; ""
+  /// if there are none, or in a stream.
+  std::string DescribeSurplus(FileSystem& files, std::uint64_t known = 0) const;
 
   /// Reads a header by its extension: .mhd, .mha (MetaImageHeader.h), .nrrd, .nhdr (NrrdHeader.h).
   /// Unsupported for others.

@@ -169,10 +169,12 @@ private:
   z_stream Stream = {};
 };
 
-GzipFile::GzipFile(std::unique_ptr<RandomAccessFile> file, std::uint64_t begin, std::uint64_t size)
+GzipFile::GzipFile(
+  std::unique_ptr<RandomAccessFile> file, std::uint64_t begin, std::uint64_t size, bool isWhole)
   : File(std::move(file))
   , Begin(begin)
   , Size(size)
+  , IsWhole(isWhole)
   , Spacing(FindSpacing(size))
 {
 }
@@ -248,6 +250,12 @@ Status GzipFile::Read(std::uint64_t offset, std::size_t size, void* bytes) const
   if (status.IsOk() && this->State->GetOut() == this->Size)
   {
     status = this->State->CheckEnd(skipped);
+    if (status.IsOk() && this->IsWhole && this->State->GetOut() > this->Size)
+    {
+      status = Status(StatusCode::Corrupt,
+        this->GetPath() + ": its compressed samples are more than the " +
+          std::to_string(this->Size) + " bytes that its header tells");
+    }
   }
   if (!status.IsOk())
   {

@@ -27,8 +27,10 @@ namespace isosurface
 class GzipFile : public RandomAccessFile
 {
 public:
-  /// The stream begins at offset `begin` of the file. `size`: the uncompressed bytes to be read.
-  GzipFile(std::unique_ptr<RandomAccessFile> file, std::uint64_t begin, std::uint64_t size);
+  /// The stream begins at offset `begin` of the file. `size`: the uncompressed bytes to be read. If
+  /// `isWhole`, it is Corrupt to have more; it is seen when the stream is read from front to back.
+  GzipFile(std::unique_ptr<RandomAccessFile> file, std::uint64_t begin, std::uint64_t size,
+    bool isWhole = false);
   ~GzipFile() override;
 
   Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override;
@@ -55,6 +57,7 @@ private:
   std::unique_ptr<RandomAccessFile> File;
   std::uint64_t Begin;
   std::uint64_t Size;
+  bool IsWhole;
   std::uint64_t Spacing;
   mutable std::mutex Mutex;
   mutable std::vector<Place> Places; ///< by increasing Out

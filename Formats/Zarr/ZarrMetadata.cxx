@@ -298,6 +298,7 @@ private:
         FindJsonText(FindJson(json, "compressor"), "id", "?"), this->Metadata.Encoding.Codecs));
     }
     ISOSURFACE_RETURN_IF_ERROR(this->TakeSeparator(FindJsonText(json, "dimension_separator", ".")));
+    this->Metadata.HasSeparator = json.contains("dimension_separator");
     this->TakeNames(FindJson(this->Node.Attributes, "_ARRAY_DIMENSIONS"));
     return Status::Ok();
   }

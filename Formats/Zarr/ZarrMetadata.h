@@ -42,6 +42,7 @@ struct ZarrMetadata
   bool IsN5 = false;
   std::string KeyPrefix;                   ///< of the names of files
   std::string Separator;                   ///< between the numbers of a name
+  bool HasSeparator = true;                ///< whether the metadata say it; old Zarr 2 does not
   std::vector<std::string> DimensionNames; ///< empty if there are none
   std::string Storage;                     ///< for a list: chunks and codecs
 };
@@ -58,6 +59,14 @@ struct ZarrNode
   /// Reads the JSON files of a folder. Errors: Corrupt, which names the file.
   static Result<ZarrNode> Read(FileSystem& files, const std::string& folder);
 };
+
+/**
+ * Sees to it that the chunks of an array are found: where the metadata do not say how the numbers of
+ * their names are separated, the chunks that are there do. Tells in `told` if there are none, which may
+ * be meant, as all samples have the fill value then. Cost: a look for the first chunk, if it is there.
+ */
+void FindChunks(
+  FileSystem& files, const std::string& folder, ZarrMetadata& metadata, std::string& told);
 
 /// The metadata of an array. Errors name the folder: Unsupported for types, codecs, filters and
 /// chunk grids that are not read, by name; Corrupt.

@@ -2,13 +2,20 @@
 #include "Formats/Zarr/ZarrVolume.h"
 
 #include "Formats/Source/ArraySource.h"
+#include "Formats/Source/AxisUnits.h"
+#include "Formats/Source/TextFields.h"
 #include "Formats/Zarr/JsonField.h"
 #include "Formats/Zarr/ZarrArray.h"
+#include "Formats/Zarr/ZarrPlace.h"
+#include "Formats/Zarr/ZarrSearch.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
+#include <map>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace isosurface
@@ -20,64 +27,9 @@ using Json = nlohmann::json;
 
 constexpr const char* MetadataNames[] = { "zarr.json", ".zarray", ".zgroup", ".zattrs",
   "attributes.json" };
-constexpr int MaximumDepth = 8;
-constexpr std::size_t MaximumArrays = 10000;
 /// Of an image; each is compared with those before.
 constexpr std::size_t MaximumAxes = 32;
 constexpr std::size_t MaximumChannels = 1024;
-
-std::string GetLastPart(const std::string& path)
-{
-  const std::size_t end = path.find_last_not_of('/');
-  const std::string whole = path.substr(0, end == std::string::npos ? 0 : end + 1);
-  return whole.substr(whole.rfind('/') + 1);
-}
-
-/// An array in a hierarchy.
-struct FoundArray
-{
-  std::string Path; ///< below the folder
-  ZarrMetadata Metadata;
-  Status Fault; ///< why it cannot be read
-};
-
-/// Adds the arrays in a folder, by name.
-Status FindArrays(FileSystem& files, const std::string& folder, const std::string& path, int depth,
-  std::vector<FoundArray>& arrays)
-{
-  const std::string whole = path.empty() ? folder : folder + "/" + path;
-  const auto node = ZarrNode::Read(files, whole);
-  if (node.GetStatus().GetCode() == StatusCode::Corrupt && depth > 0)
-  {
-    // Others can be read.
-    arrays.push_back({ path, ZarrMetadata(), node.GetStatus() });
-    return Status::Ok();
-  }
-  ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
-  if (node->IsArray)
-  {
-    auto metadata = ParseZarrMetadata(*node, whole);
-    arrays.push_back(
-      { path, metadata.IsOk() ? std::move(*metadata) : ZarrMetadata(), metadata.GetStatus() });
-    return Status::Ok();
-  }
-  const auto names = files.List(whole);
-  if (depth >= MaximumDepth || !names.IsOk())
-  {
-    return Status::Ok();
-  }
-  const std::string prefix = path.empty() ? path : path + "/";
-  const std::string wholePrefix = whole + "/";
-  for (const std::string& name : *names)
-  {
-    const auto inner = files.List(wholePrefix + name);
-    if (name[0] != '.' && inner.IsOk() && !inner->empty() && arrays.size() < MaximumArrays)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(FindArrays(files, folder, prefix + name, depth + 1, arrays));
-    }
-  }
-  return Status::Ok();
-}
 
 class ZarrReader
 {
@@ -96,23 +48,8 @@ public:
 
   Result<OpenedVolume> Open()
   {
-    const auto node = ZarrNode::Read(this->Files, this->Folder);
-    ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
     this->Volume.Grid.Extent = {};
-    if (node->IsArray)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(this->OpenArray(this->Folder, *node, {}, {}));
-      return std::move(this->Volume);
-    }
-    const Json& ome = FindJson(node->Attributes, "ome");
-    const Json& attributes = ome.is_object() ? ome : node->Attributes;
-    const Json& multiscales = FindJson(attributes, "multiscales");
-    if (multiscales.is_array() && !multiscales.empty())
-    {
-      ISOSURFACE_RETURN_IF_ERROR(this->OpenImage(multiscales[0], FindJson(attributes, "omero")));
-      return std::move(this->Volume);
-    }
-    ISOSURFACE_RETURN_IF_ERROR(this->OpenOnlyArray());
+    ISOSURFACE_RETURN_IF_ERROR(this->OpenFolder(0));
     return std::move(this->Volume);
   }
 
@@ -122,21 +59,197 @@ private:
     return Status(code, folder + ": cannot be read: " + reason);
   }
 
+  /// Opens an array, an image, the first image of a conversion by bioformats2raw, or what else a
+  /// folder has.
+  Status OpenFolder(int depth)
+  {
+    const auto node = ZarrNode::Read(this->Files, this->Folder);
+    ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
+    if (node->IsArray)
+    {
+      return this->OpenLevel(*node);
+    }
+    const Json& ome = FindOme(*node);
+    if (const Json& image = FindImage(ome); !image.is_null())
+    {
+      this->TellOthers(ome);
+      return this->OpenImage(image, FindJson(ome, "omero"), std::nullopt, node->Version == 5);
+    }
+    if (!FindJson(ome, "bioformats2raw.layout").is_null() && depth < MaximumZarrDepth)
+    {
+      return this->OpenSeries(depth);
+    }
+    return this->IsCollection(ome) ? this->MakeCollectionError(ome) : this->OpenOnlyArray(depth);
+  }
+
+  /// The images of bioformats2raw: those that OME/.zattrs names, or else 0, 1, 2 ...
+  Status OpenSeries(int depth)
+  {
+    const auto metadata = ZarrNode::Read(this->Files, this->Folder + "/OME");
+    std::vector<std::string> series = metadata.IsOk()
+      ? ListPaths(FindJson(FindOme(*metadata), "series"))
+      : std::vector<std::string>();
+    for (std::size_t number = 0; series.size() == number && number < MaximumZarrArrays; ++number)
+    {
+      const std::string name = std::to_string(number);
+      if (IsZarrFolder(this->Files, this->Folder + "/" + name))
+      {
+        series.push_back(name);
+      }
+    }
+    if (series.empty())
+    {
+      return this->MakeError(
+        StatusCode::Corrupt, this->Folder, "it is of bioformats2raw, and has no image");
+    }
+    if (series.size() > 1)
+    {
+      AddNote(this->Volume.LeftOut,
+        "it has " + std::to_string(series.size()) + " images (" + JoinTexts(series) +
+          "), of which the first one is read");
+    }
+    this->ArrayName = this->MakeName();
+    this->Folder += "/" + series.front();
+    return this->OpenFolder(depth + 1);
+  }
+
+  /// Whether it is a plate, a well or the labels of an image.
+  bool IsCollection(const Json& ome) const
+  {
+    return FindJson(ome, "plate").is_object() || FindJson(ome, "well").is_object() ||
+      (FindJson(ome, "labels").is_array() && GetLastPart(this->Folder) == "labels");
+  }
+
+  Status MakeCollectionError(const Json& ome) const
+  {
+    const bool isPlate = FindJson(ome, "plate").is_object();
+    const bool isWell = FindJson(ome, "well").is_object();
+    const std::vector<std::string> paths = isPlate
+      ? ListPaths(FindJson(FindJson(ome, "plate"), "wells"), "path")
+      : isWell ? ListPaths(FindJson(FindJson(ome, "well"), "images"), "path")
+               : ListPaths(FindJson(ome, "labels"));
+    const std::string what = isPlate ? "a plate of wells, each with images"
+      : isWell                       ? "a well of images"
+                                     : "labels of an image";
+    return this->MakeError(StatusCode::NotFound, this->Folder,
+      "it is " + what + ": name one of them, as in " + this->Name.Path + ":" +
+        (paths.empty() ? "path"
+                       : this->Name.Within + (this->Name.Within.empty() ? "" : "/") +
+              paths.front() + (isPlate ? "/0" : "")) +
+        "; it has " + JoinTexts(paths));
+  }
+
+  /// What of an image is not read with it.
+  void TellOthers(const Json& ome)
+  {
+    if (FindJson(ome, "multiscales").size() > 1)
+    {
+      AddNote(this->Volume.LeftOut, "its first multiscales are read, and not the others");
+    }
+    const auto labels = ZarrNode::Read(this->Files, this->Folder + "/labels");
+    const std::vector<std::string> names =
+      labels.IsOk() ? ListPaths(FindJson(FindOme(*labels), "labels")) : std::vector<std::string>();
+    if (!names.empty())
+    {
+      AddNote(
+        this->Volume.LeftOut, "its labels are volumes of their own (labels/" + names.front() + ")");
+    }
+  }
+
+  /// Opens an array as a level of the image around it, if there is one that names it.
+  Status OpenLevel(const ZarrNode& node)
+  {
+    std::filesystem::path group = this->Folder;
+    std::string within;
+    for (int up = 0; up < 2 && group != "."; ++up)
+    {
+      within = group.filename().string() + (within.empty() ? "" : "/" + within);
+      group = group.has_parent_path() ? group.parent_path() : ".";
+      const auto outer = ZarrNode::Read(this->Files, group.string());
+      if (!outer.IsOk() || outer->IsArray)
+      {
+        continue;
+      }
+      const Json& image = FindImage(FindOme(*outer));
+      const Json& datasets = FindJson(image, "datasets");
+      for (std::size_t level = 0; level < datasets.size(); ++level)
+      {
+        if (GetLevelPath(datasets, level) == within)
+        {
+          this->ArrayName = this->ArrayName.empty() ? this->MakeName() : this->ArrayName;
+          this->Folder = group.string();
+          return this->OpenImage(
+            image, FindJson(FindOme(*outer), "omero"), level, outer->Version == 5);
+        }
+      }
+    }
+    return this->OpenArray(this->Folder, node, {}, {}, false);
+  }
+
+  /// The letter of an axis of this name; "?" if it stands for nothing that is known.
+  static char FindLetter(const std::string& given)
+  {
+    const std::string name = LowerText(given);
+    const std::pair<char, std::vector<const char*>> known[] = { { 't', { "t", "time" } },
+      { 'c', { "c", "channel" } }, { 'z', { "z", "depth", "height", "altitude", "level", "lev" } },
+      { 'y', { "y", "lat", "latitude" } }, { 'x', { "x", "lon", "longitude" } } };
+    for (const auto& [letter, names] : known)
+    {
+      if (std::any_of(names.begin(), names.end(), [&](const char* one) { return name == one; }))
+      {
+        return letter;
+      }
+    }
+    return '?';
+  }
+
+  /// The letters of an array's axes, the slowest first; empty if their names do not tell them.
+  std::string FindArrayLetters(const ZarrNode& node, const ZarrMetadata& metadata)
+  {
+    std::vector<std::string> names = metadata.DimensionNames;
+    if (metadata.IsN5)
+    {
+      names = ListPaths(FindJson(node.Attributes, "axes"));
+      // N5 has the fastest one first; COSEM, which counts as NumPy does, the slowest one.
+      if (!names.empty() && FindLetter(names.front()) == 'x')
+      {
+        std::reverse(names.begin(), names.end());
+      }
+    }
+    std::string letters;
+    std::transform(names.begin(), names.end(), std::back_inserter(letters), FindLetter);
+    const bool isKnown = letters.find('?') == std::string::npos &&
+      letters.size() == metadata.Shape.size() && ArrayAxes::Parse(letters, letters.size()).IsOk();
+    const bool isNamed = std::any_of(
+      names.begin(), names.end(), [](const std::string& name) { return !name.empty(); });
+    if (!isKnown && isNamed)
+    {
+      AddNote(this->Volume.LeftOut,
+        "the names of its axes (" + JoinTexts(names) + ") do not tell x, y and z; --axes does");
+    }
+    return isKnown ? letters : std::string();
+  }
+
+  /// The name of the array: that of the folder.
+  std::string MakeName() const
+  {
+    std::string name = GetLastPart(this->Folder);
+    if (name.size() > 5 && name.compare(name.size() - 5, 5, ".zarr") == 0)
+    {
+      name.resize(name.size() - 5);
+    }
+    return name;
+  }
+
   Status OpenArray(const std::string& folder, const ZarrNode& node, const std::string& letters,
-    const std::vector<std::string>& channels)
+    const std::vector<std::string>& channels, bool isImage)
   {
     auto metadata = ParseZarrMetadata(node, folder);
     ISOSURFACE_RETURN_IF_ERROR(metadata.GetStatus());
+    FindChunks(this->Files, folder, *metadata, this->Volume.LeftOut);
     std::string axisLetters = this->Choice.Axes.empty() ? letters : this->Choice.Axes;
-    if (axisLetters.empty())
-    {
-      for (const std::string& name : metadata->DimensionNames)
-      {
-        axisLetters += name.size() == 1 ? name : name == "time" ? "t" : "?";
-      }
-      axisLetters =
-        axisLetters.find_first_not_of("tczyx") == std::string::npos ? axisLetters : std::string();
-    }
+    axisLetters = axisLetters.empty() ? this->FindArrayLetters(node, *metadata) : axisLetters;
+    const std::vector<std::string> names = metadata->DimensionNames;
     const auto axes = ArrayAxes::Parse(axisLetters, metadata->Shape);
     if (!axes.IsOk())
     {
@@ -144,25 +257,79 @@ private:
     }
     auto array = std::make_shared<ZarrArray>(
       this->Files, folder, std::move(*metadata), this->Choice.CacheBytes);
-    std::string name = GetLastPart(this->Folder);
-    if (name.size() > 5 && name.compare(name.size() - 5, 5, ".zarr") == 0)
-    {
-      name.resize(name.size() - 5);
-    }
-    auto parts = MakeParts(
-      this->ArrayName.empty() ? name : this->ArrayName, array, *axes, this->Choice.Step, channels);
+    auto parts = MakeParts(this->ArrayName.empty() ? this->MakeName() : this->ArrayName, array,
+      *axes, this->Choice.Step, channels);
     ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), this->Choice.Arrays, this->Volume));
     this->Axes = *axes;
     this->Volume.Files = { folder };
     this->Volume.Storage = node.Array.dump();
+    if (!isImage)
+    {
+      this->TakeArrayPlace(folder, node, names);
+    }
     return Status::Ok();
   }
 
-  Status OpenOnlyArray()
+  /// Attributes of CF, as xarray writes them.
+  void TakePacking(const Json& attributes)
+  {
+    for (const char* const name : { "scale_factor", "add_offset", "_FillValue", "missing_value" })
+    {
+      if (const Json& value = FindJson(attributes, name); !value.is_null())
+      {
+        AddNote(this->Volume.LeftOut, std::string(name) + ", " + value.dump() + ", is not applied");
+      }
+    }
+    for (ArrayDescription& array : this->Volume.Arrays)
+    {
+      array.Unit = FindJsonText(attributes, "units");
+    }
+  }
+
+  void TakeArrayPlace(
+    const std::string& folder, const ZarrNode& node, const std::vector<std::string>& names)
+  {
+    GridGeometry& grid = this->Volume.Grid;
+    const ZarrPlace place = FindZarrPlace(this->Files, folder, node);
+    grid.Spacing = place.Spacing;
+    grid.Origin = place.Origin;
+    TakeLengthUnits(place.Units, grid, this->Volume.LeftOut);
+    if (!names.empty())
+    {
+      this->TakePacking(node.Attributes);
+      const auto of = [&names](int axis) { return names[static_cast<std::size_t>(axis)]; };
+      TakeCoordinates(this->Files, folder, { of(this->Axes.X), of(this->Axes.Y), of(this->Axes.Z) },
+        grid, this->Volume.LeftOut);
+    }
+  }
+
+  Status OpenOnlyArray(int depth)
   {
     std::vector<FoundArray> arrays;
     ISOSURFACE_RETURN_IF_ERROR(FindArrays(this->Files, this->Folder, "", 0, arrays));
+    std::vector<std::string> images;
+    for (const FoundArray& array : arrays)
+    {
+      if (array.IsImage() && ("/" + array.Path).find("/labels/") == std::string::npos)
+      {
+        images.push_back(array.Path);
+      }
+    }
+    if (images.size() == 1 && depth < MaximumZarrDepth)
+    {
+      this->Folder += "/" + images.front();
+      return this->OpenFolder(depth + 1);
+    }
+    if (!images.empty())
+    {
+      return this->MakeError(StatusCode::NotFound, this->Name.GetText(),
+        "name one of its images, as in " + this->Name.Path + ":path: " + JoinTexts(images));
+    }
+    arrays.erase(std::remove_if(arrays.begin(), arrays.end(),
+                   [](const FoundArray& array) { return array.IsImage(); }),
+      arrays.end());
+    DropLevels(arrays);
     std::string known;
     for (std::size_t rank = 3; rank <= 5; ++rank)
     {
@@ -181,8 +348,9 @@ private:
         const std::string folder = this->Folder + "/" + fitting[0]->Path;
         const auto node = ZarrNode::Read(this->Files, folder);
         ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
-        this->ArrayName = GetLastPart(folder);
-        return this->OpenArray(folder, *node, {}, {});
+        const std::string last = GetLastPart(folder);
+        this->ArrayName = last == "s0" ? this->MakeName() : last;
+        return this->OpenArray(folder, *node, {}, {}, false);
       }
       if (!fitting.empty())
       {
@@ -198,7 +366,7 @@ private:
                     : "name one of its arrays, as in " + this->Name.Path + ":path: " + known);
   }
 
-  /// The letters of the axes of multiscales; an object each since 0.4, and a text in 0.3.
+  /// The letters of the axes of multiscales, and their units; an object each since 0.4, and a text in 0.3.
   std::string FindLetters(const Json& axes)
   {
     std::string letters;
@@ -207,11 +375,11 @@ private:
       const std::string name = GetJsonText(axis.is_object() ? FindJson(axis, "name") : axis);
       const std::string type = GetJsonText(FindJson(axis, "type"));
       const std::string unit = GetJsonText(FindJson(axis, "unit"));
-      letters += type == "time" ? "t" : type == "channel" ? "c" : name.size() == 1 ? name : "?";
-      if (!unit.empty() && this->Volume.LeftOut.find(unit) == std::string::npos)
+      letters += type == "time" ? 't' : type == "channel" ? 'c' : FindLetter(name);
+      this->Units[letters.back()] = unit;
+      if (letters.back() == 't' && !unit.empty() && unit != "second")
       {
-        this->Volume.LeftOut +=
-          (this->Volume.LeftOut.empty() ? "units of the axes are not kept: " : ", ") + unit;
+        AddNote(this->Volume.LeftOut, "its time steps are in " + unit);
       }
     }
     return letters;
@@ -233,6 +401,7 @@ private:
       {
         return this->MakeError(StatusCode::Unsupported, this->Folder,
           "its transformation, " + type +
+            (FindJson(one, "path").is_null() ? "" : " in a file (path)") +
             ", is not a scale or a translation with a number an axis");
       }
       for (std::size_t axis = 0; axis < scale.size(); ++axis)
@@ -243,15 +412,6 @@ private:
       }
     }
     return Status::Ok();
-  }
-
-  /// The path of a level, the finest one first; empty if there is none.
-  static std::string GetLevelPath(const Json& datasets, std::size_t level)
-  {
-    const std::string path = datasets.is_array() && level < datasets.size()
-      ? GetJsonText(FindJson(datasets[level], "path"))
-      : std::string();
-    return path.find("..") == std::string::npos ? path : std::string();
   }
 
   /// The level that is chosen (VolumeChoice::Vertices). One that cannot be read ends the search.
@@ -281,17 +441,19 @@ private:
     return level;
   }
 
-  Status OpenImage(const Json& image, const Json& omero)
+  /// `chosen`: the number of a level that was named. N5 may have its axes the other way round.
+  Status OpenImage(
+    const Json& image, const Json& omero, std::optional<std::size_t> chosen, bool isN5)
   {
     const Json& datasets = FindJson(image, "datasets");
-    const std::size_t level = this->FindLevel(datasets);
+    const std::size_t level = chosen ? *chosen : this->FindLevel(datasets);
     const std::string path = GetLevelPath(datasets, level);
     if (path.empty())
     {
       return this->MakeError(
         StatusCode::Corrupt, this->Folder, "its multiscales have no datasets with a path");
     }
-    this->Volume.Level = static_cast<int>(level);
+    this->Volume.Level = chosen ? 0 : static_cast<int>(level);
     std::vector<std::string> channels;
     const Json& known = FindJson(omero, "channels");
     const Json& axes = FindJson(image, "axes");
@@ -308,7 +470,12 @@ private:
       channels.push_back(
         !label.empty() && isNew ? label : "channel " + std::to_string(channels.size()));
     }
-    const std::string letters = this->FindLetters(axes);
+    const Json& transform = FindJson(datasets[level], "transform");
+    std::string letters = this->FindLetters(axes.is_null() ? FindJson(transform, "axes") : axes);
+    if (isN5 && !letters.empty() && letters.front() == 'x')
+    {
+      std::reverse(letters.begin(), letters.end());
+    }
     const std::string folder = this->Folder + "/" + path;
     const auto node = ZarrNode::Read(this->Files, folder);
     ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
@@ -316,7 +483,14 @@ private:
     {
       return this->MakeError(StatusCode::Corrupt, folder, "there is no array");
     }
-    ISOSURFACE_RETURN_IF_ERROR(this->OpenArray(folder, *node, letters, channels));
+    ISOSURFACE_RETURN_IF_ERROR(this->OpenArray(folder, *node, letters, channels, true));
+    if (ZarrPlace place; TakeTransform(transform, place))
+    {
+      this->Volume.Grid.Spacing = place.Spacing;
+      this->Volume.Grid.Origin = place.Origin;
+      TakeLengthUnits(place.Units, this->Volume.Grid, this->Volume.LeftOut);
+      return Status::Ok();
+    }
     return this->TakePlace(image, datasets[level]);
   }
 
@@ -337,6 +511,8 @@ private:
       this->Volume.Grid.Spacing[axis] = scale[static_cast<std::size_t>(axes[axis])];
       this->Volume.Grid.Origin[axis] = move[static_cast<std::size_t>(axes[axis])];
     }
+    TakeLengthUnits({ this->Units['x'], this->Units['y'], this->Units['z'] }, this->Volume.Grid,
+      this->Volume.LeftOut);
     if (this->Axes.Time >= 0)
     {
       const auto axis = static_cast<std::size_t>(this->Axes.Time);
@@ -354,6 +530,7 @@ private:
   std::string Folder;
   std::string ArrayName;
   ArrayAxes Axes;
+  std::map<char, std::string> Units; ///< of the axes of multiscales, by their letters
   OpenedVolume Volume;
 };
 
@@ -363,25 +540,6 @@ Result<OpenedVolume> OpenZarrVolume(
   FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
   return ZarrReader(files, name, choice).Open();
-}
-
-Result<std::vector<VolumeListing>> ListZarr(FileSystem& files, const VolumeName& name)
-{
-  std::vector<FoundArray> arrays;
-  const std::string folder = name.Within.empty() ? name.Path : name.Path + "/" + name.Within;
-  ISOSURFACE_RETURN_IF_ERROR(FindArrays(files, folder, "", 0, arrays));
-  std::vector<VolumeListing> list;
-  for (const FoundArray& array : arrays)
-  {
-    const bool isOk = array.Fault.IsOk();
-    list.push_back(
-      { array.Path.empty() ? "." : array.Path, isOk ? JoinNumbers(array.Metadata.Shape) : "?",
-        isOk && array.Metadata.IsHalf ? "float16"
-          : isOk                      ? GetValueTypeName(array.Metadata.Type)
-                                      : "?",
-        isOk ? array.Metadata.Storage : array.Fault.GetMessage() });
-  }
-  return list;
 }
 
 bool IsZarrMetadata(const std::string& name)

@@ -27,7 +27,7 @@ class Samples(Files):
                     if dtype == "float16":
                         samples = samples.astype("float32")
                     self.assert_equal_volumes(self.write(name, "o.bvol", ranks=2 if number == 3 else 1),
-                                              self.write_raw(samples, "MRC"))
+                                              self.write_raw(samples, "MRC", unit="angstrom"))
 
     def test_bytes_of_imod_are_unsigned(self):
         samples = make_samples("uint8") + 100
@@ -35,7 +35,8 @@ class Samples(Files):
         with open(self.path("i.rec"), "r+b") as file:
             file.seek(152)
             file.write(numpy.array([1146047817, 0], "<i4").tobytes())
-        self.assert_equal_volumes(self.write("i.rec", "o.bvol"), self.write_raw(samples, "MRC"))
+        self.assert_equal_volumes(self.write("i.rec", "o.bvol"),
+                                  self.write_raw(samples, "MRC", unit="angstrom"))
 
     def test_order_of_axes(self):
         samples = make_samples("int16")
@@ -54,7 +55,7 @@ class Samples(Files):
                 origin[axes[0] - 1] = 4 * 0.5
                 self.assert_equal_volumes(
                     self.write("x.map", "o.bvol"),
-                    self.write_raw(samples, "MRC", spacing=(0.5, 0.5, 0.5), origin=origin))
+                    self.write_raw(samples, "MRC", spacing=(0.5, 0.5, 0.5), origin=origin, unit="angstrom"))
 
     def test_cell_origin_and_extended_header(self):
         samples = make_samples("float32")
@@ -64,15 +65,27 @@ class Samples(Files):
             file.set_extended_header(numpy.arange(4096, dtype="uint8"))
         self.assert_equal_volumes(
             self.write("e.mrc", "o.bvol"),
-            self.write_raw(samples, "MRC", spacing=(0.5, 2, 4), origin=(-3, 7, 1.5)))
+            self.write_raw(samples, "MRC", spacing=(0.5, 2, 4), origin=(-3, 7, 1.5), unit="angstrom"))
 
 
 class StacksAndErrors(Files):
+    def test_images_and_bytes_that_are_no_part_of_a_volume_are_told(self):
+        samples = make_samples("int16", (9, 8, 7))
+        self.save("v.mrc", samples)
+        with mrcfile.mmap(self.path("v.mrc"), "r+") as file:
+            file.header.ispg, file.header.mz = 0, 1
+        self.assertIn("images that are no slices of a volume", self.convert("v.mrc")[2])
+        self.save("v.mrc", samples)
+        self.assertEqual(self.convert("v.mrc")[2], "")
+        with open(self.path("v.mrc"), "ab") as file:
+            file.write(bytes(5))
+        self.assertIn("v.mrc: 5 bytes behind the samples are not read", self.convert("v.mrc")[2])
+
     def test_a_stack_of_volumes_has_time_steps(self):
         steps = numpy.stack([make_samples("int16", phase=step) for step in range(2)])
         self.save("s.mrc", steps)
         self.assert_equal_volumes(self.write("s.mrc", "o.bvol", "--step", "1"),
-                                  self.write_raw(steps[1], "MRC", "--time", "1"))
+                                  self.write_raw(steps[1], "MRC", "--time", "1", unit="angstrom"))
 
     def test_errors_name_file_and_reason(self):
         self.save("c.mrc", make_samples("complex64", (9, 8, 7)))

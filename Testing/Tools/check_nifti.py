@@ -102,6 +102,85 @@ class GridsAndErrors(Files):
             numpy.testing.assert_allclose(found, expected[:3, :3], atol=1e-6)
             numpy.testing.assert_allclose(grid["origin"], expected[:3, 3], rtol=1e-6)
 
+    def patch(self, name, *places):
+        """Writes numbers into a header of NIfTI-1: place, type, values."""
+        with open(self.path(name), "r+b") as file:
+            for place, dtype, values in places:
+                file.seek(place)
+                file.write(numpy.array(values, dtype).tobytes())
+
+    def test_an_sform_of_zeros_is_none(self):
+        affine = numpy.diag([-0.5, 2, 1.25, 1])
+        affine[:3, 3] = (90, 12.5, 7)
+        image = nibabel.Nifti1Image(make_samples("uint8", (9, 8, 7)).T, affine)
+        image.set_qform(affine, 1)
+        nibabel.save(image, self.path("z.nii"))
+        self.patch("z.nii", (254, "<i2", 2), (280, "<f4", [0] * 12))
+        grid, _, err = self.convert("z.nii")
+        found = numpy.reshape(grid["direction"], (3, 3)) * grid["spacing"]
+        numpy.testing.assert_allclose(found, affine[:3, :3], atol=1e-6)
+        numpy.testing.assert_allclose(grid["origin"], affine[:3, 3])
+        self.assertIn("sform is all zeros: it is placed by its qform", err)
+        self.patch("z.nii", (252, "<i2", 0))
+        grid, _, err = self.convert("z.nii")
+        self.assertEqual((grid["spacing"], grid["origin"]), ([0.5, 2, 1.25], [0, 0, 0]))
+        self.assertIn("by its distances of samples alone", err)
+
+    def test_distances_of_0_or_below_and_a_factor_of_0(self):
+        image = nibabel.Nifti1Image(make_samples("uint8", (9, 8, 7)).T, numpy.eye(4))
+        image.set_sform(numpy.eye(4), 0)
+        image.set_qform(numpy.eye(4), 1)
+        nibabel.save(image, self.path("d.nii"))
+        self.patch("d.nii", (76, "<f4", [0, -3, 0, 2]))
+        grid = self.convert("d.nii")[0]
+        # As nibabel mends them: the magnitude, and 1 for 0; a factor of 0 mirrors nothing.
+        self.assertEqual((grid["spacing"], grid["direction"]), ([3, 1, 2], numpy.eye(3).ravel().tolist()))
+
+    def test_units_of_space_and_time(self):
+        steps = numpy.stack([make_samples("uint8", (9, 8, 7), phase=step) for step in range(2)])
+        for number, (space, time, unit, told) in enumerate((
+                ("mm", "sec", "mm", ""), ("micron", "msec", "um", "time steps are in ms"),
+                ("meter", "usec", "m", "time steps are in us"), ("unknown", "hz", None, "in Hz"))):
+            kind = nibabel.Nifti2Image if number % 2 else nibabel.Nifti1Image
+            image = kind(steps.T, numpy.eye(4))
+            image.header.set_xyzt_units(space, time)
+            nibabel.save(image, self.path("u.nii"))
+            grid, _, err = self.convert("u.nii")
+            self.assertEqual(grid.get("unit"), unit)
+            self.assertIn(told, err)
+            self.assertEqual(bool(told), bool(err), err)
+
+    def test_an_offset_of_0_and_sizes_of_0(self):
+        samples = make_samples("int16", (9, 8, 7))
+        for kind, place in ((nibabel.Nifti1Image, (108, "<f4", 0)), (nibabel.Nifti2Image, (168, "<i8", 0))):
+            self.save("o.nii", samples, kind=kind)
+            self.patch("o.nii", place)
+            self.assert_equal_volumes(self.write("o.nii", "o.bvol"), self.write_raw(samples, "NIFTI"))
+        self.save("o.nii", samples)
+        self.patch("o.nii", (40, "<i2", [5, 7, 8, 9, 0, 0]))
+        self.assert_equal_volumes(self.write("o.nii", "o.bvol"), self.write_raw(samples, "NIFTI"))
+
+    def test_pairs_of_files(self):
+        samples = make_samples("int16", (9, 8, 7))
+        affine = numpy.diag([2, 3, 4, 1])
+        nibabel.save(nibabel.Nifti1Pair(samples.T, affine), self.path("p.hdr"))
+        expected = self.write_raw(samples, "NIFTI", spacing=(2, 3, 4))
+        for name in ("p.hdr", "p.img"):
+            self.assert_equal_volumes(self.write(name, "o.bvol"), expected)
+        os.remove(self.path("p.img"))
+        self.assert_error("p.hdr", "p.img")
+
+    def test_vectors_and_halves_of_a_scale_are_refused(self):
+        self.save("f.nii", make_samples("float32", (9, 8, 7))[None, None].repeat(3, 0))
+        self.patch("f.nii", (68, "<i2", 1007))
+        self.assert_error("f.nii", "3 samples on its axis number 5", "vector", "1007")
+        self.save("f.nii", make_samples("int16", (9, 8, 7)))
+        self.patch("f.nii", (112, "<f4", [2, numpy.nan]))
+        self.assert_error("f.nii", "an intercept that is not finite")
+        for slope in (0, numpy.nan):
+            self.patch("f.nii", (112, "<f4", [slope, 7]))
+            self.assertEqual(self.convert("f.nii")[1], {"NIFTI": ""})
+
     def test_errors_name_file_and_reason(self):
         samples = make_samples("complex64", (9, 8, 7))
         self.save("c.nii", samples)

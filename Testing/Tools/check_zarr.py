@@ -106,6 +106,117 @@ class VersionTwoAndN5(SourceCase):
         self.assert_equal_volumes(self.write("p.n5/s0", "o.bvol"), self.write_raw(samples, "s0"))
 
 
+class LayoutsAndPlaces(SourceCase):
+    def test_nested_chunks_are_found_without_a_separator(self):
+        samples = make_samples("int16")
+        write_array_2(self.path("n.zarr"), samples, (16, 20, 33), separator="/")
+        with open(self.path("n.zarr/.zarray")) as file:
+            metadata = json.load(file)
+        del metadata["dimension_separator"]
+        with open(self.path("n.zarr/.zarray"), "w") as file:
+            json.dump(metadata, file)
+        expected = self.write_raw(samples, "n")
+        self.assert_equal_volumes(self.write("n.zarr", "o.bvol"), expected)
+        # Also if the first chunk is not there.
+        os.remove(self.path("n.zarr/0/0/0"))
+        samples[:16, :20, :33] = 0
+        self.assert_equal_volumes(self.write("n.zarr", "o.bvol"), self.write_raw(samples, "n"))
+
+    def test_a_folder_without_a_chunk_of_the_expected_name_is_told(self):
+        write_array_2(self.path("m.zarr"), make_samples("int16"), (16, 20, 33))
+        self.assertEqual(self.convert("m.zarr")[2], "")
+        with open(self.path("m.zarr/.zarray")) as file:
+            metadata = json.load(file)
+        metadata["dimension_separator"] = "/"
+        with open(self.path("m.zarr/.zarray"), "w") as file:
+            json.dump(metadata, file)
+        told = self.convert("m.zarr")[2]
+        self.assertIn("m.zarr: it has no chunk of a name as 0/0/0", told)
+        self.assertIn("there are names as 0.0.0", told)
+        write_array(self.path("t.zarr"), make_samples("int16"), (8, 12, 16), [LITTLE], shard=(48, 48, 96))
+        self.assertEqual(self.convert("t.zarr")[2], "")
+        os.rename(self.path("t.zarr/c"), self.path("t.zarr/chunks"))
+        self.assertIn("no chunk of a name as c/0/0/0", self.convert("t.zarr")[2])
+
+    def write_n5(self, name, attributes, levels):
+        """A pyramid s0, s1 ... of N5, of attributes of the group and of each level."""
+        samples = make_samples("uint8", (16, 12, 8))
+        for number, more in enumerate(levels):
+            folder = self.path(f"{name}/s{number}")
+            os.makedirs(folder, exist_ok=True)
+            level = samples[::1 << number, ::1 << number, ::1 << number]
+            with open(folder + "/attributes.json", "w") as file:
+                json.dump({"dimensions": level.shape[::-1], "blockSize": level.shape[::-1], "dataType": "uint8",
+                           "compression": {"type": "raw"}, **more}, file)
+            os.makedirs(folder + "/0/0", exist_ok=True)
+            with open(folder + "/0/0/0", "wb") as file:
+                file.write(numpy.array([0, 3], ">u2").tobytes() + numpy.array(level.shape[::-1], ">u4").tobytes() +
+                           level.tobytes())
+        with open(self.path(f"{name}/attributes.json"), "w") as file:
+            json.dump(attributes, file)
+
+    def test_places_of_n5(self):
+        full = {"dimensions": [2, 3, 40], "unit": "um"}
+        two = [2, 2, 2]
+        pixels = ((full, "um"), ([2, 3, 40], None))
+        cases = [({"pixelResolution": pixel, "scales": [[1, 1, 1], two]}, [{}, {}], unit) for pixel, unit in pixels]
+        cases += [
+            # A resolution of each level, of the full size, and of the group with factors of the levels.
+            ({"pixelResolution": full}, [{"pixelResolution": full}, {
+                "pixelResolution": {"dimensions": [4, 6, 80], "unit": "um"}, "downsamplingFactors": two}], "um"),
+            ({}, [{"pixelResolution": full}, {"pixelResolution": full, "downsamplingFactors": two}], "um"),
+            ({"resolution": [2, 3, 40], "units": ["nm"] * 3, "downsamplingFactors": [[1, 1, 1], two]}, [{}, {}], "nm"),
+            # COSEM counts the axes as NumPy does.
+            ({}, [{"transform": {"axes": ["z", "y", "x"], "scale": [40 * f, 3 * f, 2 * f], "units": ["nm"] * 3,
+                                 "translate": [20 * f - 20, 1.5 * f - 1.5, f - 1]}} for f in (1, 2)], "nm"),
+            ({"multiscales": [{"datasets": [{"path": f"s{n}", "transform": {
+                "axes": ["z", "y", "x"], "scale": [40 << n, 3 << n, 2 << n], "units": ["nm"] * 3,
+                "translate": [20 * n, 1.5 * n, n]}} for n in (0, 1)]}]}, [{}, {}], "nm")]
+        for attributes, levels, unit in cases:
+            with self.subTest(attributes=attributes, levels=levels):
+                shutil.rmtree(self.path("p.n5"), ignore_errors=True)
+                self.write_n5("p.n5", attributes, levels)
+                for name, spacing, origin in (("p.n5", [2, 3, 40], [0, 0, 0]), ("p.n5:s0", [2, 3, 40], [0, 0, 0]),
+                                              ("p.n5:s1", [4, 6, 80], [1, 1.5, 20])):
+                    grid = self.convert(name)[0]
+                    self.assertEqual((grid["spacing"], grid["origin"], grid.get("unit")), (spacing, origin, unit), name)
+
+    def test_axes_of_n5_may_be_told_in_both_orders(self):
+        samples = numpy.stack([make_samples("uint8", (9, 8, 7), phase=c) for c in range(2)])
+        for axes in ("xyzc", "czyx"):
+            folder = self.path(f"{axes}.n5/a")
+            os.makedirs(folder + "/0/0/0")
+            with open(folder + "/attributes.json", "w") as file:
+                json.dump({"dimensions": [7, 8, 9, 2], "blockSize": [7, 8, 9, 2], "dataType": "uint8",
+                           "compression": {"type": "raw"}, "axes": list(axes)}, file)
+            with open(folder + "/0/0/0/0", "wb") as file:
+                file.write(numpy.array([0, 4], ">u2").tobytes() + numpy.array([7, 8, 9, 2], ">u4").tobytes() +
+                           samples.tobytes())
+            self.assertEqual(list(self.convert(f"{axes}.n5/a")[1]), ["a 0", "a 1"])
+
+    def test_coordinates_and_attributes_of_xarray(self):
+        group = create_group(self.path("x.zarr"))
+        samples = make_samples("int16", (9, 8, 7))
+        lines = {"height": 10 + 2.5 * numpy.arange(9), "lat": 50 - 0.5 * numpy.arange(8),
+                 "lon": 4 + 0.25 * numpy.arange(7)}
+        write_array_2(self.path("x.zarr/air"), samples, (9, 8, 7))
+        zarr.open(self.path("x.zarr/air")).attrs.update({
+            "_ARRAY_DIMENSIONS": list(lines), "scale_factor": 0.01, "add_offset": 273.0, "units": "K"})
+        for name, line in lines.items():
+            write_array_2(self.path(f"x.zarr/{name}"), line, line.shape, separator=".")
+            zarr.open(self.path(f"x.zarr/{name}")).attrs.update({"_ARRAY_DIMENSIONS": [name], "units": "m"})
+        del group
+        grid, arrays, err = self.convert("x.zarr")
+        self.assertEqual((grid["spacing"], grid["origin"], grid["unit"]), ([0.25, 0.5, 2.5], [4, 50, 10], "m"))
+        self.assertEqual(grid["direction"], [1, 0, 0, 0, -1, 0, 0, 0, 1])
+        self.assertEqual(arrays, {"air": "K"})
+        self.assertIn("scale_factor, 0.01, is not applied; add_offset, 273.0, is not applied", err)
+        zarr.open(self.path("x.zarr/lon"))[3] = 7
+        self.assertIn('the coordinates "lon" have no equal steps', self.convert("x.zarr")[2])
+        zarr.open(self.path("x.zarr/air")).attrs["_ARRAY_DIMENSIONS"] = ["this", "that", "other"]
+        self.assertIn("the names of its axes (this, that, other) do not tell x, y and z", self.convert("x.zarr")[2])
+
+
 class VersionThree(SourceCase):
     def test_types_codecs_keys_and_shards(self):
         crc = {"name": "crc32c"}
@@ -172,17 +283,66 @@ class ImagesAndErrors(SourceCase):
                                             for c in range(2)]) for t in range(2)])
         omero = {"channels": [{"label": "membrane"}, {"label": "nuclei"}]}
         expected = self.write_raw(samples[1, 1], "nuclei", "--time", "1.5",
-                                  spacing=(0.125, 0.25, 2), origin=(16, 4, -8))
+                                  spacing=(0.125, 0.25, 2), origin=(16, 4, -8), unit="um")
         for version in (2, 3):
             with self.subTest(version=version):
                 self.write_image(f"i{version}.zarr", version, samples, axes, moves, omero=omero)
                 path = self.write(f"i{version}.zarr", "o.bvol", "--step", "1", "--arrays", "nuclei")
                 self.assert_equal_volumes(path, expected)
-        err = self.run_tool("i2.zarr", "o.bvol")[2]
-        self.assertIn("units of the axes are not kept: micrometer", err)
+        self.assertEqual(self.convert("i2.zarr")[2], "")
         info = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])
         self.assertEqual([array["name"] for array in info["arrays"]], ["membrane", "nuclei"])
         self.assertEqual([step["time"] for step in info["timeSteps"]], [1, 1.5])
+
+    def test_levels_keep_their_place_and_images_their_channels(self):
+        axes = [{"name": name, "type": "space", "unit": unit}
+                for name, unit in zip("xyz", ("nanometer", "micrometer", "micrometer"))]
+        samples = make_samples("uint8", (9, 8, 7))
+        self.write_image("l.zarr", 2, samples, axes, [{"type": "scale", "scale": [500, 1, 2]}])
+        for name in ("l.zarr", "l.zarr:0", "l.zarr/0"):
+            grid = self.convert(name)[0]
+            self.assertEqual((grid["dimensions"], grid["unit"]), ([9, 8, 7], "nm"))
+            self.assertEqual(grid["spacing"], [500, 1000, 2000])
+
+    def test_the_root_of_bioformats2raw_opens_its_first_image(self):
+        axes = [{"name": name, "type": "space", "unit": "micrometer"} for name in "zyx"]
+        for version in (2, 3):
+            name = f"b{version}.zarr"
+            layout, series = {"bioformats2raw.layout": 3}, {"series": ["7", "4"]}
+            for path, attributes in ((name, layout), (name + "/OME", series)):
+                if version == 2:
+                    create_group(self.path(path)).attrs.update(attributes)
+                else:
+                    os.makedirs(self.path(path), exist_ok=True)
+                    with open(self.path(path + "/zarr.json"), "w") as file:
+                        json.dump({"zarr_format": 3, "node_type": "group",
+                                   "attributes": {"ome": {"version": "0.5", **attributes}}}, file)
+            for number, image in enumerate(("7", "4")):
+                self.write_image(f"{name}/{image}", version, make_samples("uint8", (9, 8, 7 + number)), axes,
+                                 [{"type": "scale", "scale": [3, 2, 1]}])
+            grid, arrays, err = self.convert(name)
+            self.assertEqual((grid["dimensions"], grid["spacing"], grid["unit"]), ([7, 8, 9], [1, 2, 3], "um"))
+            self.assertIn("2 images (7, 4), of which the first one is read", err)
+            self.assertEqual(list(arrays), [f"b{version}"])
+            self.assertEqual(self.convert(name + ":4")[0]["dimensions"], [8, 8, 9])
+            self.assertRegex(self.run_tool("--list", name)[1], r"\n?4 +9 x 8 x 8 +uint8 +an image of 1 levels\n")
+
+    def test_plates_wells_and_labels_are_refused_by_name(self):
+        for name, attributes, words in (
+                ("plate", {"plate": {"wells": [{"path": "A/1"}, {"path": "B/2"}]}}, ("a plate", ":A/1/0", "B/2")),
+                ("well", {"well": {"images": [{"path": "0"}, {"path": "1"}]}}, ("a well", ":0", "0, 1"))):
+            create_group(self.path(f"{name}.zarr")).attrs.update(attributes)
+            self.assert_error(f"{name}.zarr", f"{name}.zarr: cannot be read", *words)
+        axes = [{"name": name, "type": "space"} for name in "zyx"]
+        self.write_image("i.zarr", 2, make_samples("uint8", (9, 8, 7)), axes, [])
+        create_group(self.path("i.zarr/labels")).attrs["labels"] = ["nuclei"]
+        self.assertIn("labels/nuclei", self.convert("i.zarr")[2])
+        self.assert_error("i.zarr:labels", "it is labels of an image", "i.zarr:labels/nuclei")
+
+    def test_a_transformation_in_a_file_is_refused(self):
+        axes = [{"name": name, "type": "space"} for name in "zyx"]
+        self.write_image("t.zarr", 2, make_samples("uint8", (9, 8, 7)), axes, [{"type": "scale", "path": "s"}])
+        self.assert_error("t.zarr", "its transformation, scale in a file (path)")
 
     def test_errors_name_folder_and_reason(self):
         create_group(self.path("g.zarr"))

@@ -2,6 +2,7 @@
 """Samples that tests write into files of other formats, and what blockvolume makes of them."""
 import filecmp
 import glob
+import json
 import os
 import shutil
 import subprocess
@@ -79,14 +80,24 @@ class SourceCase(VolumeCase):
         self.assertEqual(code, 0, err)
         return path
 
-    def write_raw(self, samples, array, *arguments, spacing=(1, 1, 1), origin=(0, 0, 0), name="raw"):
+    def write_raw(self, samples, array, *arguments, spacing=(1, 1, 1), origin=(0, 0, 0), unit="", name="raw"):
         """The blocked volume of the samples in a raw file, which the others must equal."""
         samples.astype(samples.dtype.newbyteorder("<")).tofile(self.path(name + ".raw"))
         place = ["--dimensions", ",".join(str(size) for size in samples.shape[::-1]),
                  "--type", samples.dtype.name, "--name", array,
                  "--spacing", ",".join(repr(float(value)) for value in spacing),
-                 "--origin", ",".join(repr(float(value)) for value in origin)]
+                 "--origin", ",".join(repr(float(value)) for value in origin),
+                 *(["--unit", unit] if unit else [])]
         return self.write(name + ".raw", name + ".bvol", *place, *arguments)
+
+    def convert(self, source, *arguments):
+        """The grid that --info tells of a volume written of the source, the names and units of its
+        arrays, and what the terminal said."""
+        remove_volume(self.path("o.bvol"))
+        code, _, err = self.run_tool(source, "o.bvol", *arguments)
+        self.assertEqual(code, 0, err)
+        info = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])
+        return info["grid"], {array["name"]: array.get("unit", "") for array in info["arrays"]}, err
 
     def assert_error(self, source, *words, arguments=(), ranks=1):
         """The command fails with one line that has all words, and writes nothing."""

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Fixtures/SampleFiles.h"
 
+#include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Opener/ForeignVolume.h"
+
+#include <algorithm>
 
 using namespace isosurface;
 
@@ -123,6 +126,42 @@ TEST(MetaImageHeader, DropsAxesOfOneSampleBeyondTheThird)
   EXPECT_EQ(raw.Grid.Direction, (std::array<double, 9>{ 0, 1, 0, 1, 0, 0, 0, 0, 1 }));
 }
 
+TEST(MetaImageHeader, AFileWithAPercentSignIsNoPattern)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/50%d.raw", MakeBytes(volume));
+  const std::string header = MetaStart + "ElementType = MET_SHORT\nElementDataFile = 50%d.raw\n";
+  WriteFile(disk, "/data/a.mhd", MakeBytes(header));
+  ExpectVolume(disk, "/data/a.mhd", volume);
+}
+
+TEST(MetaImageHeader, UnitsAreTakenAndScalesTold)
+{
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.mha",
+    Join(MetaStart +
+        "DistanceUnits = um\nElementToIntensityFunctionSlope = 2\n"
+        "ElementType = MET_SHORT\nElementDataFile = LOCAL\n",
+      MakeBytes(MakeRamp<std::int16_t>(Size))));
+  const auto opened = Require(OpenForeignVolume(disk, "/data/a.mha"));
+  EXPECT_EQ(opened.Grid.Unit, LengthUnit::Micrometer);
+  EXPECT_EQ(opened.LeftOut,
+    "the samples are not scaled by ElementToIntensityFunctionSlope, 2, and -Offset, 0");
+}
+
+TEST(MetaImageHeader, BytesBehindTheSamplesAreTold)
+{
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.raw", Join("12345", MakeBytes(MakeRamp<std::int16_t>(Size))));
+  const std::string header = MetaStart + "ElementType = MET_SHORT\nElementDataFile = a.raw\n";
+  WriteFile(disk, "/data/a.mhd", MakeBytes("HeaderSize = 3\n" + header));
+  EXPECT_EQ(Require(OpenForeignVolume(disk, "/data/a.mhd")).LeftOut,
+    "2 bytes behind the samples are not read");
+  WriteFile(disk, "/data/a.mhd", MakeBytes("HeaderSize = 5\n" + header));
+  EXPECT_EQ(Require(OpenForeignVolume(disk, "/data/a.mhd")).LeftOut, "");
+}
+
 TEST(MetaImageHeader, ErrorsNameWhatIsNotSupported)
 {
   const std::string data = "ElementType = MET_SHORT\nElementDataFile = a.raw\n";
@@ -135,6 +174,8 @@ TEST(MetaImageHeader, ErrorsNameWhatIsNotSupported)
   ExpectHeaderRefused("a.mhd", MetaStart + "ElementNumberOfChannels = 3\n" + data, "channel");
   ExpectHeaderRefused("a.mhd", MetaStart + "BinaryData = False\n" + data, "text");
   ExpectHeaderRefused("a.mhd", MetaStart + "HeaderSize = -7\n" + data, "HeaderSize");
+  ExpectHeaderRefused(
+    "a.mhd", MetaStart + "HeaderSize = -1\nCompressedData = True\n" + data, "HeaderSize, -1");
   ExpectHeaderRefused(
     "a.mhd", MetaStart + "ElementType = MET_STRING\nElementDataFile = a\n", "string");
   ExpectHeaderRefused(
@@ -262,6 +303,89 @@ TEST(NrrdHeader, DropsAxesOfOneSampleThatAreNotOfSpace)
     (std::array<double, 9>{ 0, 0, 1, 1, 0, 0, 0, 1, 0 }));
 }
 
+TEST(NrrdHeader, MinimaAndMaximaPlaceAnAxisByItsCenters)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  const auto read = [&](const std::string& fields)
+  {
+    WriteFile(
+      disk, "/data/a.nrrd", Join(NrrdStart + fields + "encoding: raw\n\n", MakeBytes(volume)));
+    return ExpectVolume(disk, "/data/a.nrrd", volume).Grid;
+  };
+  using Three = std::array<double, 3>;
+  const std::string range = "axis mins: 0 10 -2\naxismaxs: 12 20 2\n";
+  // Of cells, as Teem has it where nothing is said: borders of 6, 5, 4 cells.
+  for (const std::string centers :
+    { "", "centers: cell cell cell\n", "centerings: ??? none cell\n" })
+  {
+    const GridGeometry cells = read(range + centers);
+    EXPECT_EQ(cells.Spacing, (Three{ 2, 2, 1 })) << centers;
+    EXPECT_EQ(cells.Origin, (Three{ 1, 11, -1.5 })) << centers;
+  }
+  const GridGeometry nodes = read(range + "centers: node node node\n");
+  EXPECT_EQ(nodes.Spacing, (Three{ 12.0 / 5, 10.0 / 4, 4.0 / 3 }));
+  EXPECT_EQ(nodes.Origin, (Three{ 0, 10, -2 }));
+  const GridGeometry spaced =
+    read("spacings: 0.5 nan 2\naxis mins: 3 nan 7\ncenters: node cell cell\n");
+  EXPECT_EQ(spaced.Spacing, (Three{ 0.5, 1, 2 }));
+  EXPECT_EQ(spaced.Origin, (Three{ 3, 0, 8 }));
+}
+
+TEST(NrrdHeader, UnitsAreThoseOfTheSpaceOrOfTheAxes)
+{
+  MemoryDisk disk;
+  const auto open = [&](const std::string& fields)
+  {
+    WriteFile(disk, "/data/a.nrrd",
+      Join(NrrdStart + fields + "encoding: raw\n\n", MakeBytes(MakeRamp<std::int16_t>(Size))));
+    return Require(OpenForeignVolume(disk, "/data/a.nrrd"));
+  };
+  const std::string space = "space: LPS\nspace directions: (0,2,0) (3,0,0) (0,0,4)\n";
+  EXPECT_EQ(open(space + "space units: \"mm\" \"mm\" \"mm\"\n").Grid.Unit, LengthUnit::Millimeter);
+  const auto mixed = open(space + "space units: \"mm\" \"mm\" \"um\"\n");
+  EXPECT_EQ(mixed.Grid.Unit, LengthUnit::Unknown);
+  EXPECT_EQ(mixed.LeftOut, "the units of its space are not kept: \"mm\" \"mm\" \"um\"");
+  // Of axes, lengths in other units are those of the first one.
+  const auto axes = open("spacings: 1 2 3\nunits: \"um\" \"nm\" \"mm\"\nsample units: \"HU\"\n");
+  EXPECT_EQ(axes.Grid.Unit, LengthUnit::Micrometer);
+  EXPECT_EQ(axes.Grid.Spacing, (std::array<double, 3>{ 1, 0.002, 3000 }));
+  EXPECT_EQ(axes.Arrays[0].Unit, "HU");
+  EXPECT_EQ(open("units: \"mm\" \"mm\" \"s\"\n").LeftOut,
+    "units of the axes are not kept: x mm, y mm, z s");
+  EXPECT_EQ(open("kinds: domain domain time\nold min: 0\n").LeftOut,
+    "its time is the axis z; samples are not brought back to the values before they were quantized "
+    "(oldmin 0)");
+}
+
+TEST(NrrdHeader, MoreBytesThanTheHeaderTellsAreRefused)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a.raw", Join("shift", MakeBytes(volume)));
+  WriteFile(disk, "/data/a.gz", Deflate(Join("shift", MakeBytes(volume))));
+  WriteFile(disk, "/data/a.nhdr", MakeBytes(NrrdStart + "encoding: raw\ndata file: a.raw\n"));
+  const Status raw = OpenForeignVolume(disk, "/data/a.nhdr").GetStatus();
+  EXPECT_EQ(raw.GetCode(), StatusCode::Corrupt);
+  EXPECT_NE(raw.GetMessage().find("/data/a.raw: it has 5 bytes more than"), std::string::npos)
+    << raw.GetMessage();
+  // In a stream it is seen at its end.
+  WriteFile(disk, "/data/b.nhdr", MakeBytes(NrrdStart + "encoding: gzip\ndata file: a.gz\n"));
+  const auto packed = Require(OpenForeignVolume(disk, "/data/b.nhdr"));
+  const Status read = packed.Source->Read(packed.Source->GetBox()).GetStatus();
+  EXPECT_NE(read.GetMessage().find("more than the 240 bytes"), std::string::npos)
+    << read.GetMessage();
+}
+
+TEST(NrrdHeader, AFileWithAStarInItsNameIsNoPattern)
+{
+  const auto volume = MakeRamp<std::int16_t>(Size);
+  MemoryDisk disk;
+  WriteFile(disk, "/data/a*?.nrrd", Join(NrrdStart + "encoding: raw\n\n", MakeBytes(volume)));
+  const auto opened = Require(OpenForeignVolume(disk, "/data/a*?.nrrd"));
+  ExpectSamples(*opened.Source, volume);
+}
+
 TEST(NrrdHeader, ErrorsNameWhatIsNotSupported)
 {
   ExpectHeaderRefused("a.nrrd", "", "does not begin with NRRD");
@@ -285,6 +409,25 @@ TEST(NrrdHeader, ErrorsNameWhatIsNotSupported)
   ExpectHeaderRefused("a.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 6 5 4\n", "block");
   ExpectHeaderRefused(
     "a.nrrd", "NRRD0004\ntype: int\ndimension: 3\nsizes: 6 5 4\nencoding: raw\n", "endian");
+}
+
+// Otherwise ParaView would ask readers of VTK, which show something else.
+TEST(VolumeHeaders, DamagedFilesAreOursIfTheirNameOrMarkTells)
+{
+  MemoryDisk disk;
+  Bytes map(1024);
+  WriteFile(disk, "/data/other.map", map);
+  std::copy_n("MAP ", 4, map.begin() + 208);
+  WriteFile(disk, "/data/a.map", map);
+  WriteFile(disk, "/data/short.mrc", Bytes(500));
+  WriteFile(disk, "/data/a.nii", Bytes(500));
+  WriteFile(disk, "/data/a.nhdr", MakeBytes(NrrdStart + "encoding: raw\ndata file: missing.raw\n"));
+  for (const std::string name : { "a.map", "short.mrc", "a.nii", "a.nhdr" })
+  {
+    EXPECT_FALSE(OpenForeignVolume(disk, "/data/" + name).IsOk()) << name;
+    EXPECT_TRUE(CanBeIndexed(disk, "/data/" + name)) << name;
+  }
+  EXPECT_FALSE(CanBeIndexed(disk, "/data/other.map"));
 }
 
 TEST(MrcVolume, MoreTimeStepsThanAFileMayHaveAreRefused)
