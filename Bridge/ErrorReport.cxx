@@ -3,10 +3,13 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkCommand.h"
+#include "vtkDataObject.h"
+#include "vtkDemandDrivenPipeline.h"
 #include "vtkErrorCode.h"
 #include "vtkExecutive.h"
 #include "vtkInformation.h"
 #include "vtkInformationExecutivePortKey.h"
+#include "vtkInformationExecutivePortVectorKey.h"
 #include "vtkInformationVector.h"
 #include "vtkNew.h"
 #include "vtkOutputWindow.h"
@@ -41,9 +44,50 @@ public:
   }
 };
 
+/// Has a consumer without outputs, which an executive does not execute behind a failure, take its empty
+/// input. Writers keep what they have written.
+void ShowNothing(vtkExecutive* consumer)
+{
+  vtkAlgorithm* representation = consumer->GetAlgorithm();
+  // By name: ParaView's representations, which this module does without.
+  if (representation->IsA("vtkDataRepresentation"))
+  {
+    vtkNew<vtkInformation> request;
+    request->Set(vtkDemandDrivenPipeline::REQUEST_DATA());
+    representation->ProcessRequest(
+      request, consumer->GetInputInformation(), consumer->GetOutputInformation());
+    // Its proxy waits for that, and is told of no change until then.
+    representation->InvokeEvent(vtkCommand::UpdateDataEvent);
+  }
+}
+
+/// Empties what was made of an output before: nothing behind a failure is executed, and it would stay.
+void EmptyConsumers(vtkInformation* outInfo)
+{
+  const int count = vtkExecutive::CONSUMERS()->Length(outInfo);
+  for (int number = 0; number < count; ++number)
+  {
+    vtkExecutive* consumer = vtkExecutive::CONSUMERS()->GetExecutives(outInfo)[number];
+    vtkInformationVector* made = consumer ? consumer->GetOutputInformation() : nullptr;
+    for (int port = 0; made && port < made->GetNumberOfInformationObjects(); ++port)
+    {
+      vtkInformation* info = made->GetInformationObject(port);
+      if (vtkDataObject* data = vtkDataObject::GetData(info))
+      {
+        data->Initialize();
+      }
+      EmptyConsumers(info);
+    }
+    if (made && made->GetNumberOfInformationObjects() == 0)
+    {
+      ShowNothing(consumer);
+    }
+  }
+}
+
 } // namespace
 
-void SilenceFailure(vtkInformationVector* output)
+void MarkFailure(vtkInformationVector* output)
 {
   vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(output->GetInformationObject(0));
   if (executive && vtkObject::GetGlobalWarningDisplay())
@@ -51,12 +95,18 @@ void SilenceFailure(vtkInformationVector* output)
     vtkNew<FailureSilencer> silencer;
     executive->AddObserver(vtkCommand::ErrorEvent, silencer);
   }
+  for (int port = 0; port < output->GetNumberOfInformationObjects(); ++port)
+  {
+    vtkInformation* info = output->GetInformationObject(port);
+    info->Set(vtkDemandDrivenPipeline::DATA_NOT_GENERATED(), 1);
+    EmptyConsumers(info);
+  }
 }
 
 void ReportError(vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error)
 {
   vtkErrorWithObjectMacro(algorithm, << error.GetMessage());
-  SilenceFailure(output);
+  MarkFailure(output);
 }
 
 void ReportWarning(vtkAlgorithm* algorithm, const Communicator& ranks, const Status& status,

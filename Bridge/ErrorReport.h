@@ -18,14 +18,15 @@ namespace isosurface
 {
 
 /**
- * Keeps an executive from reporting a failure that its algorithm has reported: it would do so in
- * words of its own, with the whole request. Call it just before RequestData returns 0. output: what
- * RequestData was given, also through vtkFileSeriesReader.
+ * Tells the pipeline that an algorithm, which has reported an error, has no output. Call it just before
+ * RequestData returns 0. Then the executive does not report the failure in words of its own, with the
+ * whole request; the next update executes the algorithm again, and reports the error again; and what
+ * was made of an earlier output, up to ParaView's views, is empty. output: what RequestData was given,
+ * also through vtkFileSeriesReader.
  */
-ISOSURFACEBRIDGE_EXPORT void SilenceFailure(vtkInformationVector* output);
+ISOSURFACEBRIDGE_EXPORT void MarkFailure(vtkInformationVector* output);
 
-/// Reports an error of an algorithm in the words of its message, once: vtkErrorMacro and
-/// SilenceFailure.
+/// Reports an error of an algorithm in the words of its message, once: vtkErrorMacro and MarkFailure.
 ISOSURFACEBRIDGE_EXPORT void ReportError(
   vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error);
 

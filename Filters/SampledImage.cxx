@@ -255,16 +255,22 @@ void SampledImage::AllowCoarse(bool isAllowed)
   this->CoarseAllowed = isAllowed;
 }
 
-void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
+int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output,
   vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan)
 {
+  vtkInformation* outInfo = output->GetInformationObject(0);
   const VolumeInput input(inInfo);
-  if (input && input.GetHandle().IsUntried())
-  {
-    // The extent of an image cannot be told later.
-    this->Filter.GetInputAlgorithm(0, 0)->UpdatePiece(
+  // The extent of an image cannot be told later.
+  if (input && input.GetHandle().IsUntried() &&
+    !this->Filter.GetInputAlgorithm(0, 0)->UpdatePiece(
       controller ? controller->GetLocalProcessId() : 0,
-      controller ? controller->GetNumberOfProcesses() : 1, 0);
+      controller ? controller->GetNumberOfProcesses() : 1, 0))
+  {
+    // On all ranks. To go on would execute the input again, which would tell its error twice.
+    vtkDataObject::GetData(outInfo)->Initialize();
+    MarkFailure(output);
+    outInfo->Remove(vtkDemandDrivenPipeline::DATA_NOT_GENERATED()); // nothing is being generated
+    return 0;
   }
   outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   ImagePlan image;
@@ -298,6 +304,7 @@ void SampledImage::TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
   {
     outInfo->Set(vtkDataObject::DATA_OBJECT(), vtkNew<vtkImageData>());
   }
+  return 1;
 }
 
 bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,

@@ -70,8 +70,9 @@ public:
   ~SampledImage();
 
   /// Tells the pipeline the image's extent and place. Collective if the input's volume is made by
-  /// its first update, as an index in place is: then that is done.
-  void TellImage(vtkInformation* inInfo, vtkInformation* outInfo,
+  /// its first update, as an index in place is: then that is done. Returns what RequestInformation
+  /// returns: 0 after an error of that update.
+  int TellImage(vtkInformation* inInfo, vtkInformationVector* output,
     vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan);
 
   /// RequestData: fills the first output. `properties`: a checksum of those of the filter. False if

@@ -139,11 +139,10 @@ int vtkVolumeRegion::RequestDataObject(
 int vtkVolumeRegion::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
-    output->GetInformationObject(0), this->Controller, this->Internals->SumProperties(),
+  return this->Internals->Image.TellImage(input[0]->GetInformationObject(0), output,
+    this->Controller, this->Internals->SumProperties(),
     [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool)
     { return this->Internals->Plan(volume, arrays); });
-  return 1;
 }
 
 //------------------------------------------------------------------------------

@@ -229,11 +229,10 @@ int vtkVolumeSlice::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   output->GetInformationObject(1)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  this->Internals->Image.TellImage(input[0]->GetInformationObject(0),
-    output->GetInformationObject(0), this->Controller, this->Internals->SumProperties(),
+  return this->Internals->Image.TellImage(input[0]->GetInformationObject(0), output,
+    this->Controller, this->Internals->SumProperties(),
     [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse)
     { return this->Internals->Plan(volume, isCoarse); });
-  return 1;
 }
 
 //------------------------------------------------------------------------------

@@ -72,6 +72,17 @@ std::vector<std::size_t> FindEnabledArrays(
   }
   return enabled;
 }
+
+void TellTimes(const std::vector<double>& times, vtkInformation* outInfo)
+{
+  if (!times.empty())
+  {
+    const double range[2] = { times.front(), times.back() };
+    outInfo->Set(
+      vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(), static_cast<int>(times.size()));
+    outInfo->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
+  }
+}
 } // namespace
 
 /// Fills an output with a piece of the volume. Not collective.
@@ -278,7 +289,12 @@ int vtkBlockedVolumeReader::RequestInformation(
   // consumers from knowing that there is a blocked volume.
   this->BLOCKED_VOLUME()->Set(outInfo, this->Handle);
   this->IsToldLate = this->IsPending();
-  if (this->IsToldLate || !this->OpenVolume())
+  if (this->IsToldLate)
+  {
+    TellTimes(this->SourceTimes, outInfo);
+    return 1;
+  }
+  if (!this->OpenVolume())
   {
     return 1;
   }
@@ -303,6 +319,11 @@ void vtkBlockedVolumeReader::TellVolume(vtkInformation* outInfo)
   }
   this->Handle->SetArrays(FindEnabledArrays(header, *this->PointDataArraySelection));
 
+  if (!this->Handle->GetSampleText().empty())
+  {
+    TellTimes(this->SourceTimes, outInfo);
+    return;
+  }
   std::vector<double> times;
   for (const isosurface::TimeStepDescription& step : header.TimeSteps)
   {
@@ -311,13 +332,7 @@ void vtkBlockedVolumeReader::TellVolume(vtkInformation* outInfo)
       times.push_back(*step.Time);
     }
   }
-  if (!times.empty())
-  {
-    const double range[2] = { times.front(), times.back() };
-    outInfo->Set(
-      vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(), static_cast<int>(times.size()));
-    outInfo->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
-  }
+  TellTimes(times, outInfo);
 }
 
 //------------------------------------------------------------------------------
@@ -350,7 +365,7 @@ int vtkBlockedVolumeReader::RequestData(
     {
       vtkErrorMacro(<< status.GetMessage());
     }
-    isosurface::SilenceFailure(output);
+    isosurface::MarkFailure(output);
     return 0;
   }
   const Reading reading(*this, *this->Handle, outInfo, ranks.ChooseThreads(0));

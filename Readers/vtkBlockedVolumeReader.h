@@ -26,6 +26,7 @@
 
 #include <memory> // For what is prepared
 #include <string> // For the last error
+#include <vector> // For times
 
 class vtkBlockedVolumeHandle;
 class vtkDataArraySelection;
@@ -138,6 +139,11 @@ protected:
    * longer. If it is a sample, ShownText is its text.
    */
   void SetStandIn(vtkBlockedVolumeHandle* standIn);
+
+  /**
+   * The times of the file while there is nothing to open, or a sample of one of its time steps.
+   */
+  std::vector<double> SourceTimes;
 
   ///@{
   /**

@@ -13,6 +13,7 @@
 #include "vtkPartitionedDataSet.h"
 #include "vtkPolyData.h"
 #include "vtkStabbingContour.h"
+#include "vtkTriangleFilter.h"
 
 #include <filesystem>
 
@@ -112,6 +113,52 @@ TEST(ReaderErrorText, OfAContourHasNoWordOfThePipeline)
   // What else the pipeline has to say is told.
   vtkErrorWithObjectMacro(contour->GetExecutive(), "another error");
   EXPECT_NE(seen.Get().find("another error"), std::string::npos) << seen.Get();
+}
+
+TEST(ReaderErrorsAfterAReload, LeaveNothingOfBeforeAndAreToldByEachUpdate)
+{
+  const ScratchVolume volume(
+    MakeImage({ 0, 40, 0, 36, 0, 44 }, VTK_UNSIGNED_CHAR, MakeNoise(250, 3)), { 16, 2 });
+  const std::string kept = volume.Folder.GetPath("kept");
+  std::filesystem::copy_file(volume.Path, kept);
+  const auto reader = MakeReader(volume.Path);
+  const auto contour = MakeContour(reader, 120.0);
+  contour->ComputeIslandIdsOn();
+  vtkNew<vtkTriangleFilter> behind;
+  behind->SetInputConnection(contour->GetOutputPort());
+  behind->Update();
+  const vtkIdType expected = behind->GetOutput()->GetNumberOfCells();
+  EXPECT_GT(expected, 0);
+  for (const bool isRemoved : { false, true })
+  {
+    if (isRemoved)
+    {
+      std::filesystem::remove(volume.Path);
+    }
+    else
+    {
+      Truncate(volume.Path, 500);
+    }
+    reader->Modified();
+    for (const double isovalue : { 120.0, 120.0, 130.0, 120.0 })
+    {
+      const ErrorCounter errors(reader);
+      const ErrorCounter ofContour(contour);
+      contour->SetValue(0, isovalue);
+      behind->Update();
+      EXPECT_EQ(errors.Messages.size(), 1u) << testing::PrintToString(errors.Messages);
+      EXPECT_EQ(ofContour.Messages, std::vector<std::string>());
+      EXPECT_EQ(contour->GetOutput()->GetNumberOfCells(), 0);
+      EXPECT_STREQ(contour->GetIslandSummary(), "all are shown");
+      EXPECT_EQ(behind->GetOutput()->GetNumberOfCells(), 0);
+    }
+    std::filesystem::copy_file(
+      kept, volume.Path, std::filesystem::copy_options::overwrite_existing);
+    reader->Modified();
+    const ExpectNoErrors errors(reader);
+    behind->Update();
+    EXPECT_EQ(behind->GetOutput()->GetNumberOfCells(), expected);
+  }
 }
 
 TEST(ReaderMemoryLimit, LimitIsAtLeastAMebibyte)
