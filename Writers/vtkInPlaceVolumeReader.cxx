@@ -3,6 +3,7 @@
 #include "vtkInPlaceVolumeReader.h"
 
 #include "vtkBlockedVolumeHandle.h"
+#include "vtkInformation.h"
 #include "vtkInformationBlockedVolumeKey.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
@@ -10,6 +11,7 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPartitionedDataSet.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
 
 #include "ControllerCommunicator.h"
@@ -18,6 +20,7 @@
 #include "Formats/Indexing/GrowingIndex.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Indexing/SourceSampler.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <algorithm>
@@ -113,8 +116,12 @@ struct vtkInPlaceVolumeReader::Steps
   Status Grow(isosurface::Communicator& ranks, isosurface::SourceSample sample);
   /// Collective. Waits for the index that is being written.
   Status Finish(isosurface::Communicator& ranks);
-  /// Collective. Shows a sample and begins to write the index, if it is wanted.
-  Status Begin(isosurface::Communicator& ranks);
+  /// Collective. Shows a sample of a time step and begins to write the index, if it is wanted.
+  Status Begin(isosurface::Communicator& ranks, std::size_t step);
+  /// Collective. Shows a sample of another time step.
+  Status ChangeStep(isosurface::Communicator& ranks, std::size_t step);
+  /// The times in the header of the source; none if it cannot be read.
+  std::vector<double> ReadTimes() const;
 
   /// Collective. Has the reader read the volume in place, or the sample.
   Status Choose(isosurface::Communicator& ranks);
@@ -186,7 +193,28 @@ Status vtkInPlaceVolumeReader::Steps::Finish(isosurface::Communicator& ranks)
   return Status::Ok();
 }
 
-Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks)
+std::vector<double> vtkInPlaceVolumeReader::Steps::ReadTimes() const
+{
+  isosurface::VolumeChoice choice;
+  choice.Axes = this->Index.Axes;
+  auto volume = this->Failure.IsOk()
+    ? isosurface::OpenForeignVolume(isosurface::GetLocalFileSystem(), this->Index.Source, choice)
+    : Result<isosurface::OpenedVolume>(this->Failure);
+  return volume.IsOk() ? std::move(volume->Times) : std::vector<double>();
+}
+
+Status vtkInPlaceVolumeReader::Steps::ChangeStep(isosurface::Communicator& ranks, std::size_t step)
+{
+  isosurface::SampleLimits limits;
+  limits.Step = step;
+  auto sample = isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index,
+    limits, isosurface::MakeProgress(this->Reader));
+  ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
+  this->Reader.Growing->SetSample(std::move(*sample));
+  return Status::Ok();
+}
+
+Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks, std::size_t step)
 {
   const auto wanted = this->IsIndexWanted(ranks);
   ISOSURFACE_RETURN_IF_ERROR(wanted.GetStatus());
@@ -194,8 +222,10 @@ Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks)
   {
     return Status::Ok();
   }
+  isosurface::SampleLimits limits;
+  limits.Step = step;
   auto sample = isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index,
-    {}, isosurface::MakeProgress(this->Reader));
+    limits, isosurface::MakeProgress(this->Reader));
   ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
   // The index of a small file is there as soon as a sample.
   return sample->IsWhole ? this->Update(ranks) : this->Grow(ranks, std::move(*sample));
@@ -216,7 +246,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     }
     const isosurface::SourceSample& sample = reader.Growing->GetSample();
     volume = sample.Volume;
-    standIn->SetSample(sample.Text, sample.Share == 1 ? this->Index.Path : "");
+    standIn->SetSample(sample.Text, sample.Share == 1 && sample.Step == 0 ? this->Index.Path : "");
     standIn->SetFinished(reader.Growing->GetFinished());
     reader.Indexing[0] = Working;
     reader.IndexText = this->Index.Path + ": is being written";
@@ -271,6 +301,7 @@ vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
   , IndexMemory(1024)
   , Datasets(vtkStringArray::New())
   , CheckTime(0)
+  , TellTime(0)
   , CoarseAllowed(false)
   , Indexing{ Nothing, 0, -1 }
 {
@@ -340,9 +371,18 @@ bool vtkInPlaceVolumeReader::IsPending()
     return false;
   }
   const Steps steps(*this);
+  const auto readTimes = [&]
+  {
+    if (this->TellTime != this->vtkAlgorithm::GetMTime())
+    {
+      this->TellTime = this->vtkAlgorithm::GetMTime();
+      this->SourceTimes = steps.ReadTimes();
+    }
+    return true;
+  };
   if (steps.IsGrowing())
   {
-    return true;
+    return readTimes();
   }
   const auto state = steps.FindState();
   const bool isCurrent = state.IsOk() && *state == IndexState::Current;
@@ -359,7 +399,7 @@ bool vtkInPlaceVolumeReader::IsPending()
     this->SetFileName(steps.Index.Path.c_str());
     this->CheckTime = this->vtkAlgorithm::GetMTime();
   }
-  return !isCurrent;
+  return !isCurrent && readTimes();
 }
 
 //------------------------------------------------------------------------------
@@ -367,11 +407,13 @@ int vtkInPlaceVolumeReader::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
   isosurface::ControllerCommunicator ranks(this->GetController());
-  std::vector<std::uint64_t> pending = { this->IsPending() ? 1u : 0u };
+  const bool isPending = this->IsPending();
+  const std::size_t step = this->FindStep(output->GetInformationObject(0));
+  std::vector<std::uint64_t> pending = { isPending || this->IsOtherSample(step) ? 1u : 0u };
   ranks.ReduceMaximum(pending);
   if (pending[0] != 0)
   {
-    const Status status = this->UpdateIndex(ranks);
+    const Status status = this->UpdateIndex(ranks, step);
     if (!status.IsOk())
     {
       vtkPartitionedDataSet::GetData(output, 0)->Initialize();
@@ -388,12 +430,37 @@ int vtkInPlaceVolumeReader::RequestData(
 }
 
 //------------------------------------------------------------------------------
-isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(isosurface::Communicator& ranks)
+std::size_t vtkInPlaceVolumeReader::FindStep(vtkInformation* outInfo) const
+{
+  using Pipeline = vtkStreamingDemandDrivenPipeline;
+  const bool isAsked = outInfo->Has(Pipeline::UPDATE_TIME_STEP());
+  const double time = isAsked ? outInfo->Get(Pipeline::UPDATE_TIME_STEP()) : 0;
+  std::size_t found = 0;
+  for (std::size_t step = 0; isAsked && step < this->SourceTimes.size(); ++step)
+  {
+    found = this->SourceTimes[step] <= time ? step : found;
+  }
+  return found;
+}
+
+//------------------------------------------------------------------------------
+bool vtkInPlaceVolumeReader::IsOtherSample(std::size_t step) const
+{
+  return this->Growing && this->Indexing[0] != Nothing && this->Growing->GetSample().Volume &&
+    this->Growing->GetSample().Step != step;
+}
+
+//------------------------------------------------------------------------------
+isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
+  isosurface::Communicator& ranks, std::size_t step)
 {
   Steps steps(*this);
   this->Indexed = nullptr;
   std::vector<std::uint64_t> all = { this->CoarseAllowed ? 1u : 0u, steps.IsGrowing() ? 1u : 0u };
   ranks.ReduceMinimum(all);
+  std::vector<std::uint64_t> wanted = { step };
+  ranks.ReduceMaximum(wanted);
+  step = wanted[0];
   const bool isCoarse = all[0] != 0;
   // One in memory stays when it has been taken.
   const bool isOld = all[1] != 0 && this->Indexing[0] == Nothing && !this->Growing->IsCurrent();
@@ -401,11 +468,15 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(isosurface::Communicator&
   if (all[1] == 0 || this->Indexing[0] == Failed || isOld)
   {
     this->Growing.reset();
-    status = isCoarse ? steps.Begin(ranks) : steps.Update(ranks);
+    status = isCoarse ? steps.Begin(ranks, step) : steps.Update(ranks);
   }
   else if (!isCoarse || this->Growing->Advance(ranks, 0))
   {
     status = steps.Finish(ranks);
+  }
+  else if (this->IsOtherSample(step))
+  {
+    status = steps.ChangeStep(ranks, step);
   }
   status = status.IsOk() ? steps.Choose(ranks) : status;
   if (!status.IsOk())

@@ -11,7 +11,8 @@
  * next update after a modification indexes it anew.
  *
  * In ParaView's window nobody waits for the index (AllowCoarse): the reader shows a sample of the
- * file, and writes the index beside the calling thread.
+ * file, and writes the index beside the calling thread. The times of the file are those of its header,
+ * before there is an index, too.
  *
  * Indexing is collective: all ranks of the controller update together. It reports progress and
  * stops when the reader is told to abort; then an older index stays as it was, and the output is
@@ -25,8 +26,9 @@
 #include "IsosurfaceWritersModule.h" // For export macro
 #include "vtkBlockedVolumeReader.h"
 
-#include <memory> // For the index that grows
-#include <string> // For the paths
+#include <cstddef> // For time steps
+#include <memory>  // For the index that grows
+#include <string>  // For the paths
 
 namespace isosurface
 {
@@ -121,7 +123,7 @@ public:
 
   /**
    * While on, an execution that finds no index does not wait for one: its output is a sample of the
-   * first time step, of at most 2 million vertices, which takes about a second, whatever the size
+   * time step that is asked for, of at most 2 million vertices, which takes about a second, whatever the size
    * of the file. The index is written beside the calling thread. Not a property: it neither
    * modifies the reader nor is it saved. ParaView's window switches it on while it applies what the
    * user has changed by hand, so scripts never see it.
@@ -162,7 +164,11 @@ private:
   struct Steps; ///< of UpdateIndex
 
   /// Makes what is to be read: the volume in place, or a sample of the file. Collective.
-  isosurface::Status UpdateIndex(isosurface::Communicator& ranks);
+  isosurface::Status UpdateIndex(isosurface::Communicator& ranks, std::size_t step);
+  /// The time step of SourceTimes that is asked for: the last one at or before UPDATE_TIME_STEP().
+  std::size_t FindStep(vtkInformation* outInfo) const;
+  /// Whether a sample is shown that is of another time step.
+  bool IsOtherSample(std::size_t step) const;
   /// Has the output of the indexed volume read beside the calling thread; whether all ranks have it.
   /// Collective.
   bool PrepareVolume(isosurface::Communicator& ranks, double seconds);
@@ -176,6 +182,7 @@ private:
   std::string IndexText;
   vtkStringArray* Datasets;
   vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date, or a sample read
+  vtkMTimeType TellTime;  ///< our MTime when SourceTimes were read
   bool CoarseAllowed;
   double Indexing[3];
   std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown

@@ -86,9 +86,15 @@ Result<std::shared_ptr<BlockedVolume>> GrowingIndex::Open() const
   return std::shared_ptr<BlockedVolume>(kept, kept->second.get());
 }
 
+void GrowingIndex::SetSample(SourceSample sample)
+{
+  this->Enlarging.reset();
+  this->Sample = std::move(sample);
+}
+
 bool GrowingIndex::HasLargerSample(Communicator& ranks)
 {
-  if (!this->Collector)
+  if (!this->Collector || this->Sample.Step > 0)
   {
     return false;
   }

@@ -47,12 +47,18 @@ public:
 
   const SourceIndex& GetIndex() const { return this->Index; }
   const SourceSample& GetSample() const { return this->Sample; }
-  /// What is indexed of the first time step; null where it is not told. It stays valid without this
-  /// object.
-  const std::shared_ptr<FinishedLayers>& GetFinished() const { return this->Finished; }
+  /// Shows a sample of another time step, of all ranks.
+  void SetSample(SourceSample sample);
+  /// What is indexed of the first time step; null where it is not told, or where the sample is of another
+  /// one. It stays valid without this object.
+  std::shared_ptr<FinishedLayers> GetFinished() const
+  {
+    return this->Sample.Step == 0 ? this->Finished : nullptr;
+  }
   /// Whether there is a sample on all ranks that is much larger than the last one, or an error that
   /// kept it from being made: what is being indexed is sampled, too, and made a volume beside the
-  /// calling thread. Never while what is finished is shown, which is the same part of the file.
+  /// calling thread. Never while what is finished is shown, which is the same part of the file, nor
+  /// while the sample is of another time step than the first one.
   /// Collective.
   bool HasLargerSample(Communicator& ranks);
   /// Makes that the sample; of all ranks, or of none. Collective.
@@ -104,12 +110,12 @@ private:
   std::chrono::steady_clock::time_point FirstTime; ///< that of FirstProgress, written before it
   SourceSample Larger;                             ///< the thread's until it has ended
   std::unique_ptr<BackgroundTask> Enlarging;       ///< makes it; null if nothing is much larger
-  Status BeginStatus;              ///< of the last BeginEnlarging; the same on all ranks
-  std::int64_t CommonSlices = 0;   ///< complete on all ranks
-  std::uint64_t GatheredSteps = 0; ///< of the work when samples were gathered last
-  std::string LeftOut;                             ///< the thread's until it has ended
-  std::atomic<double> FirstProgress = -1;          ///< negative before the first round
-  std::unique_ptr<CollectiveTask> Writing;         ///< the last member: it uses the others
+  Status BeginStatus;                      ///< of the last BeginEnlarging; the same on all ranks
+  std::int64_t CommonSlices = 0;           ///< complete on all ranks
+  std::uint64_t GatheredSteps = 0;         ///< of the work when samples were gathered last
+  std::string LeftOut;                     ///< the thread's until it has ended
+  std::atomic<double> FirstProgress = -1;  ///< negative before the first round
+  std::unique_ptr<CollectiveTask> Writing; ///< the last member: it uses the others
 };
 
 } // namespace isosurface

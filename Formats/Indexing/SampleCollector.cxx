@@ -51,7 +51,7 @@ void SampleCollector::Attach(OpenedVolume& volume)
 {
   {
     const std::lock_guard<std::mutex> lock(this->Mutex);
-    this->Volume = SampledVolume(volume);
+    this->Volume = SampledVolume(volume, 0);
     this->Numbers = Lattice{ this->Volume.Box, this->Step }.GetNumbers();
     const auto vertices = static_cast<std::size_t>(this->Numbers.GetNumberOfVertices());
     for (const ValueType type : this->Volume.Types)

@@ -84,13 +84,15 @@ std::string Describe(const Index3& step, double share, int level, const std::str
 
 } // namespace
 
-SampledVolume::SampledVolume(const OpenedVolume& volume)
+SampledVolume::SampledVolume(const OpenedVolume& volume, std::size_t step)
   : Grid(volume.Grid)
   , Lines(volume.Lines)
   , Arrays(volume.Arrays)
   , Types(ArrayVariables(volume.Arrays).GetStoredTypes())
   , Box(volume.Source->GetBox())
   , Level(volume.Level)
+  , Step(step)
+  , Time(step < volume.Times.size() ? std::make_optional(volume.Times[step]) : std::nullopt)
 {
 }
 
@@ -108,6 +110,7 @@ Result<SourceSample> MakeSourceSample(FileSystem& files, const SourceIndex& inde
   settings.NumberOfStores = 1;
   settings.Distribution = DistributionMethod::Slab;
   settings.MemoryLimit = WriteBytes;
+  settings.Time = of.Time;
   if (of.Lines)
   {
     settings.Lines = MakeLines(*of.Lines, lattice);
@@ -124,6 +127,7 @@ Result<SourceSample> MakeSourceSample(FileSystem& files, const SourceIndex& inde
   SourceSample sample;
   sample.Volume = std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());
   sample.WholeStep = lattice.Step;
+  sample.Step = of.Step;
   sample.Share = static_cast<double>(lattice.Box.GetNumberOfVertices()) /
     static_cast<double>(of.Box.GetNumberOfVertices());
   sample.IsWhole = of.Level == 0 && lattice.Step == Index3{ 1, 1, 1 } && lattice.Box == of.Box;

@@ -11,6 +11,7 @@
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/VolumeOpener.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -28,6 +29,7 @@ struct SourceSample
   std::shared_ptr<BlockedVolume> Volume; ///< valid without anything else
   Index3 WholeStep{ 1, 1, 1 };           ///< with which a sample of the whole file is as large
   double Share = 0;                      ///< of the file that its box is
+  std::size_t Step = 0;                  ///< the time step that it is of
   bool IsWhole = false;                  ///< whether it has all samples of the file
   std::string Text;                      ///< what it is of the file: "one of 16 x 16 x 16 samples"
 };
@@ -36,7 +38,7 @@ struct SourceSample
 struct SampledVolume
 {
   SampledVolume() = default;
-  explicit SampledVolume(const OpenedVolume& volume);
+  SampledVolume(const OpenedVolume& volume, std::size_t step);
 
   GridGeometry Grid;
   std::optional<GridLines> Lines;
@@ -44,6 +46,8 @@ struct SampledVolume
   std::vector<ValueType> Types; ///< of the variables that are stored
   VertexBox Box;
   int Level = 0; ///< OpenedVolume::Level
+  std::size_t Step = 0;
+  std::optional<double> Time; ///< of the step
 };
 
 /**

@@ -48,6 +48,7 @@ public:
     , Advance(progress)
   {
     this->Choice.Axes = index.Axes;
+    this->Choice.Step = limits.Step;
     this->Choice.CacheBytes = ReadBytes / MostThreads;
     this->Choice.Vertices = limits.Vertices;
   }
@@ -102,7 +103,7 @@ Status Sampler::Open()
 {
   auto volume = OpenForeignVolume(this->Files, this->Index.Source, this->Choice);
   ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  this->Volume = SampledVolume(*volume);
+  this->Volume = SampledVolume(*volume, this->Choice.Step);
   this->Order = ReadingOrder::Choose(*volume->Source, this->Limits.Vertices);
   const VertexBox& box = volume->Source->GetBox();
   const auto chunk = volume->Source->GetChunk();

@@ -9,20 +9,22 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace isosurface
 {
 
-/// What a sample may cost.
+/// What a sample may cost, and what it is of.
 struct SampleLimits
 {
   double Seconds = 1; ///< of reading; a first part of the file is read however long it takes
   std::int64_t Vertices = std::int64_t{ 1 } << 21;
+  std::size_t Step = 0; ///< the time step
 };
 
 /**
- * Reads a sample of the first time step of a file, and makes a blocked volume of it in the memory of
+ * Reads a sample of a time step of a file, and makes a blocked volume of it in the memory of
  * each rank; the same on all ranks. What is read, whatever the size of the file:
  *
  *     its own coarse level   of a pyramid (OME-Zarr); its samples are averages

@@ -208,6 +208,58 @@ class InPlaceReader(testing.TestCase):
         self.assertEqual(sorted(name for name in os.listdir(folder) if name.endswith(".bvol")),
                          ["run.h5-run-half.bvol", "run.h5-run-whole.bvol"])
 
+    def write_steps(self, path):
+        """RTData + 10 t at the times 0, 1, 2."""
+        write_with_python("import h5py\n"
+                          "with h5py.File(path, 'w') as file:\n"
+                          "    file['steps'] = numpy.stack([samples + 10 * t for t in range(3)])\n",
+                          path, self.samples)
+
+    def test_times_of_a_file_are_known_and_each_request_gets_its_step_before_there_is_an_index(self):
+        path = testing.output("steps.h5")
+        self.write_steps(path)
+        reader = simple.OpenDataFile(path)
+        reader.UpdatePipelineInformation()
+        self.assertEqual(list(reader.TimestepValues), [0.0, 1.0, 2.0])
+        self.assertFalse(os.path.exists(path + ".bvol"))
+        surface = simple.StabbingContour(Input=reader, Isosurfaces=[testing.ISOVALUE])
+        view = testing.make_view()
+        simple.Show(surface, view)
+        scene = simple.GetAnimationScene()
+        scene.UpdateAnimationUsingDataTimeSteps()
+        for time_step in (2.0, 0.0, 1.0):
+            scene.AnimationTime = time_step
+            simple.Render(view)
+            self.assertEqual(surface.GetDataInformation().GetNumberOfCells(),
+                             testing.count_expected_triangles(testing.ISOVALUE - 10 * time_step))
+        simple.Delete(view)
+
+    def test_all_time_steps_of_a_file_without_an_index_are_saved(self):
+        path, saved = testing.output("unindexed.h5"), testing.output("steps.bvol")
+        self.write_steps(path)
+        simple.SaveData(saved, proxy=simple.OpenDataFile(path), WriteAllTimeSteps=1)
+        surface = simple.StabbingContour(Input=simple.OpenDataFile(saved), Isosurfaces=[testing.ISOVALUE])
+        for time_step in range(3):
+            surface.UpdatePipeline(time_step)
+            self.assertEqual(surface.GetDataInformation().GetNumberOfCells(),
+                             testing.count_expected_triangles(testing.ISOVALUE - 10 * time_step))
+
+    def test_a_file_that_is_broken_removed_and_mended_is_what_reload_gives(self):
+        path = testing.output("reloaded.mha")
+        write_metaimage(path, self.samples)
+        reader = self.open(path)
+        surface = simple.StabbingContour(Input=reader, Isosurfaces=[testing.ISOVALUE])
+        behind = simple.Calculator(Input=surface, Function="1")
+        for damage in (lambda: os.truncate(path, 1000), lambda: os.remove(path)):
+            self.assertEqual(testing.count_cells(behind), self.expected)
+            damage()
+            simple.ReloadFiles(reader)
+            for isovalue in (testing.ISOVALUE, testing.OTHER_ISOVALUE, testing.ISOVALUE):
+                surface.Isosurfaces = [isovalue]
+                self.assertEqual([testing.count_cells(proxy) for proxy in (behind, surface)], [0, 0])
+            write_metaimage(path, self.samples)
+            simple.ReloadFiles(reader)
+
     def write_all(self):
         """A file of each format; their paths."""
         paths = []
