@@ -13,6 +13,8 @@
 
 #include "Ground/Volume/ArrayVariables.h"
 
+#include <cstring>
+
 namespace isosurface
 {
 
@@ -90,6 +92,27 @@ bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo)
     (association == vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS &&
       !hasScalars(vtkDataObject::FIELD_ASSOCIATION_POINTS) &&
       hasScalars(vtkDataObject::FIELD_ASSOCIATION_CELLS));
+}
+
+std::string FindUnit(vtkDataArray* array)
+{
+  const std::string unit = GetUnitOf(array);
+  return unit.empty() && array->GetName() && std::strcmp(array->GetName(), "HU") == 0 ? "HU" : unit;
+}
+
+std::string FindContouredUnit(
+  vtkDataObject* input, const std::function<vtkDataArray*(vtkDataSet*)>& choose)
+{
+  for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
+  {
+    vtkDataArray* array = choose(data);
+    std::string unit = array ? FindUnit(array) : "";
+    if (!unit.empty())
+    {
+      return unit;
+    }
+  }
+  return "";
 }
 
 } // namespace isosurface

@@ -11,6 +11,8 @@
 #include <string>
 
 class vtkDataArray;
+class vtkDataObject;
+class vtkDataSet;
 class vtkImageData;
 class vtkInformation;
 
@@ -36,6 +38,13 @@ Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* 
 /// Whether the array that is to be contoured is one of cells, as far as this can be told before
 /// there is data. `array` is the filter's GetInputArrayInformation().
 bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo);
+
+/// The unit of an array's values: vtkDataArray::UNITS_LABEL, else "HU" (Hounsfield) if that is the array's
+/// name; empty if it is not known.
+std::string FindUnit(vtkDataArray* array);
+/// That of the array that a filter contours, as the first dataset of its input tells it.
+std::string FindContouredUnit(
+  vtkDataObject* input, const std::function<vtkDataArray*(vtkDataSet*)>& choose);
 
 } // namespace isosurface
 

@@ -4,9 +4,15 @@
 #include "ChosenScalars.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Ground/Volume/SampleCopy.h"
 #include "Surface/Spectrum/GridSpectrum.h"
+#include "Surface/Spectrum/IsovalueProposal.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -42,6 +48,97 @@ Result<std::optional<ValueType>> FindType(
       "the input's images have arrays of several types; their values cannot share bins");
   }
   return std::optional<ValueType>(static_cast<ValueType>(minimum[0]));
+}
+
+constexpr std::int64_t SamplesOfProposal = 1 << 21;
+constexpr std::size_t BinsOfProposal = 1024;
+
+/// The level at which the grids have few enough vertices together.
+int FindProposalLevel(const std::vector<GridGeometry>& grids)
+{
+  for (int level = 0;; ++level)
+  {
+    std::int64_t vertices = 0;
+    for (const GridGeometry& grid : grids)
+    {
+      vertices += grid.Coarsen(level).GetNumberOfVertices();
+    }
+    if (vertices <= SamplesOfProposal || level == 20)
+    {
+      return level;
+    }
+  }
+}
+
+/// Every 2^level-th sample of a piece. Pieces share the vertices of their faces: those of a high face are
+/// left to the next one.
+SampleView ThinPiece(SampleView view, const Index3& dimensions, int level)
+{
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    view.Box.High[axis] -= dimensions[axis] > 1 ? 1 : 0;
+  }
+  return Coarsen(view, level);
+}
+
+/// Adds the finite samples.
+void AddSamples(const SampleView& view, std::vector<double>& samples)
+{
+  DispatchValueType(view.Type,
+    [&](auto zero)
+    {
+      const VertexBox& box = view.Box;
+      for (std::int64_t z = box.Low[2]; z < box.High[2]; ++z)
+      {
+        for (std::int64_t y = box.Low[1]; y < box.High[1]; ++y)
+        {
+          for (std::int64_t x = box.Low[0]; x < box.High[0]; ++x)
+          {
+            const auto sample = static_cast<double>(*view.At<decltype(zero)>({ x, y, z }));
+            if (std::isfinite(sample))
+            {
+              samples.push_back(sample);
+            }
+          }
+        }
+      }
+    });
+}
+
+/// The isovalue that the samples of all ranks propose; NaN if there is none. Collective.
+double ProposeOfSamples(Communicator& ranks, const std::vector<double>& samples)
+{
+  std::vector<std::uint64_t> low = { std::numeric_limits<std::uint64_t>::max() };
+  std::vector<std::uint64_t> high = { NotANumberKey };
+  for (const double sample : samples)
+  {
+    low[0] = std::min(low[0], MakeValueKey(sample));
+    high[0] = std::max(high[0], MakeValueKey(sample));
+  }
+  ranks.ReduceMinimum(low);
+  ranks.ReduceMaximum(high);
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (low[0] >= high[0])
+  {
+    return none;
+  }
+  const auto minimum = MakeValueOfKey<double>(low[0]);
+  const auto maximum = MakeValueOfKey<double>(high[0]);
+  const double width = maximum / BinsOfProposal - minimum / BinsOfProposal;
+  std::vector<std::uint64_t> counted(BinsOfProposal + 1); // the last one of the maximum alone
+  for (const double sample : samples)
+  {
+    const double bin = std::max(0.0, (sample - minimum) / width);
+    ++counted[static_cast<std::size_t>(std::min(bin, static_cast<double>(BinsOfProposal)))];
+  }
+  ranks.ReduceSum(counted);
+  std::vector<double> values;
+  for (std::size_t bin = 0; bin <= BinsOfProposal; ++bin)
+  {
+    values.push_back(bin == BinsOfProposal ? maximum : minimum + static_cast<double>(bin) * width);
+  }
+  return ProposeIsovalue(values, std::vector<double>(counted.begin(), counted.end()))
+    .value_or(none);
 }
 
 /// scalars: those of each piece.
@@ -170,6 +267,33 @@ Status ImageSpectrum::Count(Communicator& ranks, const Progress& progress)
   ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
   this->Spectra = std::move(*spectra);
   return Status::Ok();
+}
+
+Result<double> ImageSpectrum::Propose(Communicator& ranks) const
+{
+  const int level = FindProposalLevel(this->Pieces.Grids);
+  std::vector<double> samples;
+  const auto collect = [&]
+  {
+    for (const ImagePiece& piece : this->Pieces.Pieces)
+    {
+      const Index3 dimensions = this->Pieces.Grids[piece.Grid].GetDimensions();
+      ImageSamples thinned = piece.Samples;
+      for (SampleView& view : thinned.Components)
+      {
+        view = ThinPiece(view, dimensions, level);
+      }
+      if (!thinned.Components.front().Box.IsEmpty())
+      {
+        const int component =
+          *FindChosenComponent(static_cast<int>(thinned.Components.size()), this->Component);
+        AddSamples(ChosenScalars(thinned, component, this->Threads).GetView(thinned), samples);
+      }
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, collect));
+  return ProposeOfSamples(ranks, samples);
 }
 
 } // namespace isosurface

@@ -33,6 +33,9 @@ public:
   /// Collective. Errors of one rank are errors of all: InvalidArgument, Aborted, OutOfMemory. Cost: two
   /// passes over the samples, and one for a magnitude.
   Status Count(Communicator& ranks, const Progress& progress);
+  /// An isovalue to begin with (ProposeIsovalue), of at most some two million of the samples: which ones,
+  /// does not depend on ranks and pieces. NaN if there is none. Collective. Errors: OutOfMemory.
+  Result<double> Propose(Communicator& ranks) const;
   /// One for each grid, in equal bins; the same on all ranks.
   const std::vector<WorkloadSpectrum>& GetSpectra() const { return this->Spectra; }
 

@@ -12,6 +12,8 @@
 
 #include "RangedArray.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdio>
 #include <vector>
 
@@ -46,8 +48,12 @@ std::string GroupDigits(std::uint64_t number)
 
 void AddIslands(ChosenIslands& islands, bool ids, double seconds, vtkPolyData* output)
 {
-  AddToFieldData(output, "Islands", islands.Islands);
-  AddToFieldData(output, "KeptIslands", islands.KeptIslands);
+  using OfIsovalue = IsovalueIslands;
+  AddColumn<vtkIdTypeArray>(
+    "Islands", islands.OfIsovalues, [](const OfIsovalue& one) { return one.Islands; }, output);
+  AddColumn<vtkIdTypeArray>(
+    "KeptIslands", islands.OfIsovalues, [](const OfIsovalue& one) { return one.KeptIslands; },
+    output);
   AddToFieldData(output, "IslandSeconds", seconds);
   using Island = ListedIsland;
   const std::vector<Island>& largest = islands.Largest;
@@ -75,19 +81,29 @@ void AddIslands(ChosenIslands& islands, bool ids, double seconds, vtkPolyData* o
   }
 }
 
-std::string SummariseIslands(const ChosenIslands* islands)
+std::string SummariseIslands(const ChosenIslands* islands, const std::vector<double>& isovalues)
 {
+  std::string summary;
   if (!islands)
   {
-    return "all are shown";
+    return summary;
   }
-  char share[16];
-  std::snprintf(share, sizeof(share), "%.1f",
-    islands->Triangles > 0
-      ? 100 * static_cast<double>(islands->KeptTriangles) / static_cast<double>(islands->Triangles)
-      : 100.0);
-  return GroupDigits(islands->KeptIslands) + " of " + GroupDigits(islands->Islands) + " islands, " +
-    share + " % of the triangles";
+  const std::vector<IsovalueIslands>& all = islands->OfIsovalues;
+  for (std::size_t n = 0; n < all.size(); ++n)
+  {
+    std::array<char, 64> text{};
+    if (all.size() > 1 && n < isovalues.size())
+    {
+      std::snprintf(text.data(), text.size(), "%s%g: ", n > 0 ? "; " : "", isovalues[n]);
+      summary += text.data();
+    }
+    const auto triangles = static_cast<double>(all[n].Triangles);
+    std::snprintf(text.data(), text.size(), "%.1f",
+      triangles > 0 ? 100 * static_cast<double>(all[n].KeptTriangles) / triangles : 100.0);
+    summary += GroupDigits(all[n].KeptIslands) + " of " + GroupDigits(all[n].Islands) +
+      " islands, " + text.data() + " % of the triangles";
+  }
+  return summary;
 }
 
 } // namespace isosurface

@@ -12,6 +12,7 @@
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
+#include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
@@ -28,7 +29,9 @@
 #include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Surface/Spectrum/IsovalueProposal.h"
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -87,6 +90,8 @@ vtkContourSpectrum::vtkContourSpectrum()
   , Controller(nullptr)
   , SamplesAtOnce(VTK_INT_MAX)
   , Counting{ Nothing, 0 }
+  , ProposesAlone(false)
+  , Proposal(std::numeric_limits<double>::quiet_NaN())
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -157,6 +162,7 @@ int vtkContourSpectrum::RequestData(
     volume.GetHandle().EndTaking(this);
   }
 
+  this->Proposal = std::numeric_limits<double>::quiet_NaN();
   isosurface::ControllerCommunicator ranks(this->Controller);
   const Steps steps = { *this, ranks, table };
   // All go one way, that of volumes or that of images.
@@ -223,6 +229,8 @@ Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& 
   const std::size_t step = input.GetTimeStep();
   const auto total = volume.GetSpectrum(step, *variable);
   ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
+  this->Filter.Proposal =
+    isosurface::ProposeIsovalue(**total).value_or(std::numeric_limits<double>::quiet_NaN());
   isosurface::AddSpectrumColumns({ **total }, this->Table);
   const int quantity = this->Filter.StoreQuantity;
   const std::uint32_t stores = quantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
@@ -246,6 +254,13 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
     { return this->Filter.GetInputArrayToProcess(0, image, association); },
     this->GetArrayName(), this->Filter.Component,
     this->Ranks.ChooseThreads(this->Filter.NumberOfThreads)));
+  if (this->Filter.ProposesAlone)
+  {
+    const auto proposal = images->Propose(this->Ranks);
+    ISOSURFACE_RETURN_IF_ERROR(proposal.GetStatus());
+    this->Filter.Proposal = *proposal;
+    return Status::Ok();
+  }
   const std::unique_ptr<Beside> beside = std::move(this->Filter.Counted);
   this->Filter.Counting[0] = Nothing;
   std::vector<std::uint64_t> counted = {
@@ -325,11 +340,31 @@ void vtkContourSpectrum::AdvanceCounting(int milliseconds)
 }
 
 //------------------------------------------------------------------------------
+void vtkContourSpectrum::ProposeAlone(vtkTypeBool alone)
+{
+  if (this->ProposesAlone != (alone != 0))
+  {
+    this->ProposesAlone = alone != 0;
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+const char* vtkContourSpectrum::GetUnit()
+{
+  this->Unit = isosurface::FindContouredUnit(
+    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr,
+    [this](vtkDataSet* data) { return this->GetInputArrayToProcess(0, data); });
+  return this->Unit.c_str();
+}
+
+//------------------------------------------------------------------------------
 void vtkContourSpectrum::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "Component: " << this->Component << "\n";
   os << indent << "StoreQuantity: " << this->StoreQuantity << "\n";
+  os << indent << "Proposal: " << this->Proposal << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
 }

@@ -26,6 +26,7 @@
 #include "vtkTableAlgorithm.h"
 
 #include <memory> // For what is counted
+#include <string> // For the unit
 
 class vtkDoubleArray;
 class vtkMultiProcessController;
@@ -111,6 +112,23 @@ public:
   void TakeCounting() { this->Modified(); }
   ///@}
 
+  ///@{
+  /**
+   * An isovalue to begin with: that which divides the samples into the two classes that differ most, as
+   * round as the range allows; the same whatever the number of ranks. NaN on other ranks than the first
+   * one behind a blocked volume, and if there is none. ProposeAlone makes executions find it alone, from
+   * at most some two million samples of images, and give an empty table for these; without it images
+   * have none.
+   */
+  void ProposeAlone(vtkTypeBool alone);
+  vtkGetMacro(Proposal, double);
+  ///@}
+
+  /**
+   * As vtkStabbingContour's.
+   */
+  const char* GetUnit();
+
 protected:
   vtkContourSpectrum();
   ~vtkContourSpectrum() override;
@@ -135,6 +153,9 @@ private:
   vtkNew<vtkDoubleArray> Spectrum;
   int SamplesAtOnce;
   double Counting[2];
+  bool ProposesAlone;
+  double Proposal;
+  std::string Unit;
   std::unique_ptr<Beside> Counted; ///< null if nothing is counted beside
 };
 

@@ -8,7 +8,6 @@
 #include "ContouredArray.h"
 #include "CostFieldData.h"
 #include "ErrorReport.h"
-#include "ImageSamples.h"
 #include "IslandData.h"
 #include "PassingFilters.h"
 #include "SurfacePolyData.h"
@@ -17,8 +16,6 @@
 #include "vtkInformationBlockedVolumeKey.h"
 
 #include "vtkAlgorithmOutput.h"
-#include "vtkCompositeDataSet.h"
-#include "vtkDataArray.h"
 #include "vtkDataObject.h"
 #include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
@@ -35,7 +32,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <string>
 #include <utility>
 
@@ -112,7 +108,6 @@ vtkStabbingContour::vtkStabbingContour()
   , UseIslandPoint(0)
   , IslandPoint{ 0, 0, 0 }
   , ComputeIslandIds(0)
-  , IslandSummary(isosurface::SummariseIslands(nullptr))
   , NumberOfThreads(0)
   , Controller(nullptr)
   , Work(new ContourExecution(*this))
@@ -163,6 +158,16 @@ const char* vtkStabbingContour::GetInterpolatedArray(int index)
   return index >= 0 && index < this->GetNumberOfInterpolatedArrays()
     ? this->InterpolatedArrays[static_cast<std::size_t>(index)].c_str()
     : nullptr;
+}
+
+//------------------------------------------------------------------------------
+void vtkStabbingContour::SetSkipNaN(vtkTypeBool skip)
+{
+  if (this->SkipNaN != skip)
+  {
+    this->SkipNaN = skip;
+    this->SetSkipNotANumber(skip);
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -323,21 +328,9 @@ void vtkStabbingContour::ReleaseInput(vtkInformation* inInfo)
 //------------------------------------------------------------------------------
 const char* vtkStabbingContour::GetUnit()
 {
-  this->Unit.clear();
-  vtkDataObject* input =
-    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr;
-  for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
-  {
-    vtkDataArray* array = this->GetInputArrayToProcess(0, data);
-    if (array && this->Unit.empty())
-    {
-      this->Unit = isosurface::GetUnitOf(array);
-      if (this->Unit.empty() && array->GetName() && std::strcmp(array->GetName(), "HU") == 0)
-      {
-        this->Unit = "HU";
-      }
-    }
-  }
+  this->Unit = isosurface::FindContouredUnit(
+    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr,
+    [this](vtkDataSet* data) { return this->GetInputArrayToProcess(0, data); });
   return this->Unit.c_str();
 }
 
@@ -393,8 +386,10 @@ int vtkStabbingContour::RequestData(
   status = ranks.Agree(status);
   this->Final = !status.IsOk() || made.Final;
   this->Work->SetShown(status.IsOk(), made.ExtractedTriangles);
+  const double* isovalues = this->ContourValues->GetValues();
   this->IslandSummary =
-    isosurface::SummariseIslands(status.IsOk() && made.Islands ? &*made.Islands : nullptr);
+    isosurface::SummariseIslands(status.IsOk() && made.Islands ? &*made.Islands : nullptr,
+      std::vector<double>(isovalues, isovalues + this->ContourValues->GetNumberOfContours()));
   if (!status.IsOk())
   {
     polyData->Initialize();

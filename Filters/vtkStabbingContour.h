@@ -273,6 +273,8 @@ public:
   vtkSetMacro(SkipNotANumber, vtkTypeBool);
   vtkGetMacro(SkipNotANumber, vtkTypeBool);
   vtkBooleanMacro(SkipNotANumber, vtkTypeBool);
+  /// Another name of it, for scripts of ParaView: a change of this one changes the other.
+  void SetSkipNaN(vtkTypeBool skip);
   ///@}
 
   ///@{
@@ -332,7 +334,7 @@ public:
   /**
    * Which islands of the surface are in the output. An island is a connected part of the surface of
    * one isovalue, on all ranks together: triangles with a common point are on the same one. Those
-   * smaller than MinimumIslandSize are left out, and all but the MaximumIslands largest; of the
+   * smaller than MinimumIslandSize are left out, and of each isovalue all but the MaximumIslands largest; of the
    * same size, that with the lowest global id comes first. IslandSize says what is compared;
    * areas and volumes are those of the world. Of what is left, UseIslandPoint keeps the island
    * alone that is nearest to IslandPoint. With ComputeIslandIds, cells carry the place of their
@@ -340,7 +342,7 @@ public:
    * (no limit), off, the origin, off.
    *
    * If any of these is set, the field data of the output, the same on all ranks, tells of all
-   * islands, those that are left out included: Islands, KeptIslands; IslandTriangles, IslandArea
+   * islands, those that are left out included: Islands, KeptIslands, a number for each isovalue; IslandTriangles, IslandArea
    * and IslandVolume of the 1000 largest; IslandBinSize, IslandBinIslands and IslandBinTriangles,
    * how many have sizes from one power of two to the next.
    *
@@ -435,6 +437,7 @@ private:
   vtkTypeBool CloseBoundary;
   int Inside;
   vtkTypeBool SkipNotANumber;
+  vtkTypeBool SkipNaN = 0;
   vtkTypeBool DynamicBalance;
   vtkTypeBool UseRegion;
   double RegionPosition[3];

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace isosurface
@@ -165,22 +166,45 @@ private:
       });
   }
 
-  /// As many of the largest islands of all ranks as are needed, in their order.
+  std::size_t CountIsovalues() const
+  {
+    return this->Grids.Shared.empty()
+      ? 1
+      : std::max<std::size_t>(1, this->Grids.Shared.front().GetNumberOfIsovalues());
+  }
+  std::size_t FindIsovalue(const IslandMeasure& island) const
+  {
+    const std::vector<SharedPlanes>& grids = this->Grids.Shared;
+    const auto behind = std::upper_bound(grids.begin(), grids.end(), island.FirstId,
+      [](std::int64_t id, const SharedPlanes& grid) { return id < grid.GetFirstId(); });
+    return behind == grids.begin() ? 0 : std::prev(behind)->FindIsovalue(island.FirstId);
+  }
+
+  /// As many of the largest islands of each isovalue of all ranks as are needed, in their order.
   Status FindLargest(const SizeScale& scale, std::vector<IslandMeasure>& largest)
   {
-    const std::uint64_t wanted = this->Request.MaximumIslands > 0 ? this->Request.MaximumIslands
-      : this->Request.Ids                                         ? this->Chosen.Islands
-                                                                  : 0;
+    // The place among all is known if all are.
+    const std::uint64_t wanted =
+      this->Request.Ids ? this->Chosen.Islands : this->Request.MaximumIslands;
     const std::size_t count = std::min(
       this->Chosen.Islands, std::max(wanted, static_cast<std::uint64_t>(MaximumListedIslands)));
     const auto isBefore = [&](const IslandMeasure& a, const IslandMeasure& b)
     { return scale.IsBefore(a, b); };
     const auto keepFirst = [&](std::vector<IslandMeasure>& islands)
     {
-      const auto middle =
-        islands.begin() + static_cast<std::ptrdiff_t>(std::min(count, islands.size()));
-      std::partial_sort(islands.begin(), middle, islands.end(), isBefore);
-      islands.erase(middle, islands.end());
+      std::vector<IslandMeasure> kept;
+      auto begin = islands.begin();
+      for (std::size_t isovalue = 0; isovalue < this->CountIsovalues(); ++isovalue)
+      {
+        const auto end = std::partition(begin, islands.end(),
+          [&](const IslandMeasure& island) { return this->FindIsovalue(island) == isovalue; });
+        const auto middle = begin + std::min(static_cast<std::ptrdiff_t>(count), end - begin);
+        std::partial_sort(begin, middle, end, isBefore);
+        kept.insert(kept.end(), begin, middle);
+        begin = end;
+      }
+      std::sort(kept.begin(), kept.end(), isBefore);
+      islands = std::move(kept);
     };
     Message mine;
     ISOSURFACE_RETURN_IF_ERROR(this->Try(
@@ -229,13 +253,21 @@ private:
 
   void ChooseBySize(const SizeScale& scale, const std::vector<IslandMeasure>& largest)
   {
-    const std::uint64_t maximum = this->Request.MaximumIslands;
-    const IslandMeasure* last =
-      maximum > 0 && maximum < this->Chosen.Islands ? &largest[maximum - 1] : nullptr;
+    std::vector<std::uint64_t> counts(this->CountIsovalues(), 0);
+    std::vector<const IslandMeasure*> lasts(this->CountIsovalues(), nullptr);
+    for (const IslandMeasure& island : largest)
+    {
+      const std::size_t isovalue = this->FindIsovalue(island);
+      if (++counts[isovalue] == this->Request.MaximumIslands)
+      {
+        lasts[isovalue] = &island;
+      }
+    }
     for (std::size_t island = 0; island < this->Measures.size(); ++island)
     {
       const IslandMeasure& measure = this->Measures[island];
       const bool isLarge = scale.ToWorld(scale.Measure(measure)) >= this->Request.MinimumSize;
+      const IslandMeasure* last = lasts[this->FindIsovalue(measure)];
       this->AreKept[island] = isLarge && !(last && scale.IsBefore(*last, measure)) ? 1 : 0;
     }
   }
@@ -265,18 +297,28 @@ private:
 
   void CountKept()
   {
-    std::vector<std::uint64_t> kept(2, 0);
+    // Of each isovalue the numbers of IsovalueIslands, in their order.
+    std::vector<std::uint64_t> sums(4 * this->CountIsovalues(), 0);
     for (std::size_t island = 0; island < this->Measures.size(); ++island)
     {
-      if (this->AreKept[island] != 0 && this->AreOwned[island] != 0)
-      {
-        kept[0] += 1;
-        kept[1] += this->Measures[island].Triangles;
-      }
+      const IslandMeasure& measure = this->Measures[island];
+      const std::uint64_t owned = this->AreOwned[island] != 0 ? 1 : 0;
+      const std::uint64_t kept = this->AreKept[island] != 0 ? owned : 0;
+      std::uint64_t* sum = &sums[4 * this->FindIsovalue(measure)];
+      sum[0] += owned;
+      sum[1] += owned * measure.Triangles;
+      sum[2] += kept;
+      sum[3] += kept * measure.Triangles;
     }
-    this->Ranks.ReduceSum(kept);
-    this->Chosen.KeptIslands = kept[0];
-    this->Chosen.KeptTriangles = kept[1];
+    this->Ranks.ReduceSum(sums);
+    for (std::size_t first = 0; first < sums.size(); first += 4)
+    {
+      const IsovalueIslands one = { sums[first], sums[first + 1], sums[first + 2],
+        sums[first + 3] };
+      this->Chosen.OfIsovalues.push_back(one);
+      this->Chosen.KeptIslands += one.KeptIslands;
+      this->Chosen.KeptTriangles += one.KeptTriangles;
+    }
   }
 
   Status Keep(const SizeScale& scale, const std::vector<IslandMeasure>& largest)

@@ -34,7 +34,7 @@ struct IslandRequest
 {
   IslandSize Size = IslandSize::Triangles;
   double MinimumSize = 0;           ///< smaller ones are dropped
-  std::uint64_t MaximumIslands = 0; ///< keep as many, the largest; 0: all
+  std::uint64_t MaximumIslands = 0; ///< of each isovalue keep as many, the largest; 0: all
   /// Of these, keep the one that is nearest to this place alone.
   std::optional<std::array<double, 3>> Place;
   bool Ids = false; ///< fill ChosenIslands::Ids
@@ -44,9 +44,10 @@ struct IslandRequest
 /// Where one rank's surface is from.
 struct IslandGrids
 {
-  TriangleBounds Bounds;            ///< of all grids; equal on all ranks
-  std::vector<SharedPlanes> Shared; ///< a grid each, in the order of their ids; empty if the
-                                    ///< surface has no points that another piece has, too
+  TriangleBounds Bounds; ///< of all grids; equal on all ranks
+  /// A grid each, in the order of their ids. Empty: the surface has no points that another piece has, too,
+  /// and one isovalue.
+  std::vector<SharedPlanes> Shared;
 };
 
 /// How many islands and triangles have sizes from Size to twice as much, before any was dropped.
@@ -65,6 +66,15 @@ struct ListedIsland
   double Volume = 0;
 };
 
+/// The islands of one isovalue, before any was dropped and after.
+struct IsovalueIslands
+{
+  std::uint64_t Islands = 0;
+  std::uint64_t Triangles = 0;
+  std::uint64_t KeptIslands = 0;
+  std::uint64_t KeptTriangles = 0;
+};
+
 /// The rows of ChosenIslands::Largest, at most.
 constexpr std::size_t MaximumListedIslands = 1000;
 
@@ -75,8 +85,9 @@ struct ChosenIslands
   std::uint64_t Triangles = 0;
   std::uint64_t KeptIslands = 0;
   std::uint64_t KeptTriangles = 0;
-  std::vector<ListedIsland> Largest; ///< of all, the largest first
-  std::vector<IslandBin> Bins;       ///< those that are not empty, the smallest first
+  std::vector<IsovalueIslands> OfIsovalues; ///< in the order of the request
+  std::vector<ListedIsland> Largest;        ///< of all, the largest first
+  std::vector<IslandBin> Bins;              ///< those that are not empty, the smallest first
   /// Of this rank's kept cells: the place of the island among all, by size; 0 is the largest.
   Buffer<std::int64_t> Ids;
 };
@@ -87,8 +98,8 @@ struct ChosenIslands
  * are in the order of their lowest global ids. The surface has GlobalIds.
  *
  * Collective. Errors: OutOfMemory, on all ranks. Cost beside the surface: IslandLabels,
- * MeasureIslands, JoinIslands, KeepIslands; 32 bytes for each of the MaximumIslands, and with Ids
- * for each island of all ranks.
+ * MeasureIslands, JoinIslands, KeepIslands; 32 bytes for each of the MaximumIslands of each isovalue,
+ * and with Ids for each island of all ranks.
  */
 Status ChooseIslands(Communicator& ranks, const IslandRequest& request, const IslandGrids& grids,
   int threads, Surface& surface, ChosenIslands& chosen);

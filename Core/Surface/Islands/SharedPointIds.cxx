@@ -17,12 +17,20 @@ SharedPlanes::SharedPlanes(
   this->Dimensions = numbered.GetDimensions();
   this->Shift = grid.Extent[0] - numbered.Extent[0];
   this->NumberOfVertices = numbered.GetNumberOfVertices();
+  this->NumberOfIsovalues = request.Isovalues.size();
   this->NumberOfEdgeIds =
     3 * this->NumberOfVertices * static_cast<std::int64_t>(request.Isovalues.size());
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     this->AreShared[axis].resize(static_cast<std::size_t>(this->Dimensions[axis]), 0);
   }
+}
+
+std::size_t SharedPlanes::FindIsovalue(std::int64_t id) const
+{
+  const std::int64_t own = id - this->FirstId;
+  const std::int64_t vertex = own >= this->NumberOfEdgeIds ? own - this->NumberOfEdgeIds : own / 3;
+  return static_cast<std::size_t>(vertex / this->NumberOfVertices);
 }
 
 void SharedPlanes::Add(std::size_t axis, std::int64_t vertex)

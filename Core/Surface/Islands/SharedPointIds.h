@@ -28,6 +28,9 @@ public:
   void AddFacesOfBlocks(std::int64_t blockSize);
 
   std::int64_t GetFirstId() const { return this->FirstId; }
+  std::size_t GetNumberOfIsovalues() const { return this->NumberOfIsovalues; }
+  /// The number of the isovalue that has the point with a global id.
+  std::size_t FindIsovalue(std::int64_t id) const;
   bool IsEmpty() const { return this->Planes == 0; }
   /// Whether the edge or vertex with a global id is in one of the planes. Faster for ids that
   /// follow each other along the x axis.
@@ -53,6 +56,7 @@ private:
   std::int64_t Shift; ///< of its first vertex
   std::int64_t NumberOfVertices;
   std::int64_t NumberOfEdgeIds;
+  std::size_t NumberOfIsovalues;
   std::size_t Planes = 0;
   std::array<std::vector<std::uint8_t>, 3> AreShared; ///< by axis and coordinate
 };

@@ -260,7 +260,7 @@ TEST_P(IslandsOnRanks, AreThoseOfAWalkOverAllTriangles)
 TEST_P(IslandsOnRanks, AreKeptBySizeAndNumber)
 {
   const auto volume = MakeDust();
-  const ContourRequest contour = MakePlainRequest({ 0.25, 5 });
+  const ContourRequest contour = MakePlainRequest({ 0.25 });
   const PlainSurface whole = MakePlain(ExtractBlocks(volume, BlockSize, contour));
   const std::pair<IslandSize, std::function<double(const PlainIsland&)>> sizes[] = {
     { IslandSize::Triangles, CountTriangles },
@@ -295,6 +295,31 @@ TEST_P(IslandsOnRanks, AreKeptBySizeAndNumber)
     EXPECT_EQ(large.Chosen.KeptIslands, kept);
     EXPECT_EQ(large.Chosen.Islands, expected.size()) << "what was dropped is counted";
     EXPECT_TRUE(large.Kept == Unite(expected, kept));
+  }
+}
+
+TEST_P(IslandsOnRanks, AreKeptAndCountedOfEachIsovalueByItself)
+{
+  const auto volume = MakeDust();
+  IslandRequest request;
+  for (const std::size_t count : { 1, 3, 60 })
+  {
+    request.MaximumIslands = count;
+    const Outcome both = Choose(volume, MakePlainRequest({ 0.25, 5 }), request, GetParam(), 1);
+    ASSERT_EQ(both.Chosen.OfIsovalues.size(), 2u);
+    std::size_t triangles = 0;
+    for (const std::size_t n : { 0, 1 })
+    {
+      const Outcome one =
+        Choose(volume, MakePlainRequest({ n == 0 ? 0.25 : 5.0 }), request, GetParam(), 1);
+      const IsovalueIslands& islands = both.Chosen.OfIsovalues[n];
+      EXPECT_EQ(islands.Islands, one.Chosen.Islands);
+      EXPECT_EQ(islands.KeptIslands, one.Chosen.KeptIslands);
+      EXPECT_EQ(islands.KeptIslands, std::min<std::uint64_t>(count, one.Chosen.Islands));
+      EXPECT_EQ(islands.KeptTriangles, one.Chosen.KeptTriangles);
+      triangles += one.Kept.Triangles.size();
+    }
+    EXPECT_EQ(both.Kept.Triangles.size(), triangles);
   }
 }
 
