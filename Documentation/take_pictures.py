@@ -107,7 +107,7 @@ def write_zarr(folder, side=64):
 def make_pictures(volume, ct, folder):
     """Lists of events by the pictures' names."""
     opened = [*open_file(volume), APPLY]
-    proposed = [*opened, choose_filter("StabbingContour"), REST]
+    proposed = [*opened, choose_filter("Isosurface"), REST]
     contoured = [*proposed, APPLY, SOLID, REST]
     added = [*contoured, *double_click(120, 60), APPLY, REST]
     live = (f"{PROPERTIES}/ContourValues/Live", "set_boolean", "true")
@@ -128,7 +128,7 @@ def make_pictures(volume, ct, folder):
     write_zarr(zarr)
     image = [menu("menuSources/Alphabetical", "RTAnalyticSource"), APPLY]
     tissues = [(f"{PROPERTIES}/ContourValues/Tissues/{name}", "activate", "") for name in ("Skin", "Bone")]
-    chosen = [*open_file(ct), APPLY, choose_filter("StabbingContour"), REST, *tissues]
+    chosen = [*open_file(ct), APPLY, choose_filter("Isosurface"), REST, *tissues]
     return {
         "panels/reader": [*opened, ALL_PROPERTIES],
         "panels/in-place": [*open_file(zarr), APPLY, ALL_PROPERTIES, REST],

@@ -44,7 +44,7 @@ def main():
     if arguments.plugin:
         simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
 
-    contour = simple.StabbingContour(
+    contour = simple.Isosurface(
         Input=simple.OpenDataFile(arguments.volume or write_head(arguments.output)),
         ContourBy=["POINTS", arguments.array],
         Isosurfaces=[arguments.isovalue],

@@ -85,7 +85,7 @@ def show(surface, view, color, representation="Surface"):
 
 def draw_rock(folder):
     reader = write_volume(ROCK, 143, os.path.join(folder, "rock.bvol"))
-    mesh = simple.StabbingContour(
+    mesh = simple.Isosurface(
         Input=reader, Isosurfaces=[0.0], MaximumIslands=1, CloseBoundary=1
     )
     mesh.Level = 1  # a quarter of the triangles
@@ -108,7 +108,7 @@ def draw_rock(folder):
 
 def draw_drops(folder):
     reader = write_volume(DROPS, 95, os.path.join(folder, "drops.bvol"), WriteAllTimeSteps=1)
-    surface = simple.StabbingContour(Input=reader, Isosurfaces=[0.75], ComputeIslandIds=1)
+    surface = simple.Isosurface(Input=reader, Isosurfaces=[0.75], ComputeIslandIds=1)
     islands = []
     for number, time in enumerate((0.0, 0.25, 0.5)):
         view = make_view([280, 280])

@@ -14,7 +14,7 @@ else:
     simple.LoadDistributedPlugin("ScalableIsosurface", remote=False, ns=vars(simple))
 
 slab = simple.TrivialProducer(registrationName="input")
-surface = simple.StabbingContour(Input=slab, ContourBy=["POINTS", "pressure"], Isosurfaces=[0.03])
+surface = simple.Isosurface(Input=slab, ContourBy=["POINTS", "pressure"], Isosurfaces=[0.03])
 options = catalyst.Options()
 saved = 0
 

@@ -66,7 +66,7 @@ class Volume:
         simple.Delete(self.reader)
 
     def make_contour(self, **properties):
-        return simple.StabbingContour(
+        return simple.Isosurface(
             Input=self.reader, ContourBy=["POINTS", self.array], **properties
         )
 

@@ -52,7 +52,7 @@ def extract(surfaces, folder, view):
     for file_name, array, isovalue, name, color, position in surfaces:
         if file_name not in readers:
             readers[file_name] = simple.OpenDataFile(os.path.join(folder, file_name))
-        contour = simple.StabbingContour(
+        contour = simple.Isosurface(
             Input=readers[file_name], ContourBy=["POINTS", array], Isosurfaces=[isovalue]
         )
         display = simple.Show(contour, view)

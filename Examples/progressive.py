@@ -49,7 +49,7 @@ def main():
         simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
 
     reader = simple.OpenDataFile(arguments.volume or write_head(arguments.output))
-    contour = simple.StabbingContour(
+    contour = simple.Isosurface(
         Input=reader, ContourBy=["POINTS", arguments.array], Progressive=1
     )
     view = simple.CreateRenderView(ViewSize=[600, 600], OrientationAxesVisibility=0)

@@ -178,7 +178,7 @@ def main():
 
     path = arguments.volume or write_head(arguments.output, arguments.block_size)
     reader = simple.OpenDataFile(path)
-    contour = simple.StabbingContour(Input=reader, ContourBy=["POINTS", arguments.array])
+    contour = simple.Isosurface(Input=reader, ContourBy=["POINTS", arguments.array])
     surface = simple.DistributeIsosurface(Input=contour)
     if not arguments.without_images:
         show_frames(contour, surface, arguments.isovalues, arguments.output)

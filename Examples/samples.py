@@ -33,7 +33,7 @@ def open_head(folder):
 def show_skin(reader, bounds, view):
     """The largest island of the skin, behind the plane of the front slice."""
     middle = (bounds[2] + bounds[3]) / 2
-    skin = simple.StabbingContour(
+    skin = simple.Isosurface(
         Input=reader, ContourBy=["POINTS", "T1"], Isosurfaces=[SKIN], MaximumIslands=1
     )
     skin.UseRegion = 1

@@ -5,10 +5,16 @@
 #include "IsovalueCategories.h"
 
 #include "vtkDataObject.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkObjectFactory.h"
+#include "vtkPVArrayInformation.h"
+#include "vtkPVDataInformation.h"
+#include "vtkPVDataSetAttributesInformation.h"
 #include "vtkPVGeneralSettings.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMSourceProxy.h"
 #include "vtkSMTransferFunctionManager.h"
+#include "vtkSMTransferFunctionProxy.h"
 #include "vtkSMViewProxy.h"
 
 #include <algorithm>
@@ -122,16 +128,34 @@ vtkSMProxy* vtkSMIsosurfaceRepresentationProxy::FindColoringContour()
   }
   vtkSMPropertyHelper shown(this, "ColorArrayName");
   if (vtkSMPropertyHelper(this, "IsosurfaceColors").GetAsInt() == 0 ||
-    !IsNamed(contour, "StabbingContour") || !this->GetUsingScalarColoring() ||
-    shown.GetInputArrayAssociation() != vtkDataObject::POINT ||
+    !(IsNamed(contour, "Isosurface") || IsNamed(contour, "StabbingContour")) ||
+    !this->GetUsingScalarColoring() || shown.GetInputArrayAssociation() != vtkDataObject::POINT ||
     vtkSMPropertyHelper(contour, "ComputeScalars").GetAsInt() == 0)
   {
     return nullptr;
   }
+  return ShowsIsovalues(this, contour) ? contour : nullptr;
+}
+
+//------------------------------------------------------------------------------
+bool vtkSMIsosurfaceRepresentationProxy::ShowsIsovalues(
+  vtkSMProxy* representation, vtkSMProxy* contour)
+{
+  const char* shown =
+    vtkSMPropertyHelper(representation, "ColorArrayName").GetInputArrayNameToProcess();
   const char* contoured =
     vtkSMPropertyHelper(contour, "SelectInputScalars").GetInputArrayNameToProcess();
-  return contoured && std::strcmp(contoured, shown.GetInputArrayNameToProcess()) == 0 ? contour
-                                                                                      : nullptr;
+  vtkSMPropertyHelper input(representation, "Input");
+  auto* surface = vtkSMSourceProxy::SafeDownCast(input.GetAsProxy());
+  if (surface && (!contoured || *contoured == '\0'))
+  {
+    const vtkPVArrayInformation* scalars =
+      surface->GetDataInformation(input.GetOutputPort())
+        ->GetPointDataInformation()
+        ->GetAttributeInformation(vtkDataSetAttributes::SCALARS);
+    contoured = scalars ? scalars->GetName() : nullptr;
+  }
+  return shown && contoured && std::strcmp(contoured, shown) == 0;
 }
 
 //------------------------------------------------------------------------------
@@ -150,6 +174,20 @@ void vtkSMIsosurfaceRepresentationProxy::ChangeColorMap(vtkSMProxy* view, bool s
 }
 
 //------------------------------------------------------------------------------
+void vtkSMIsosurfaceRepresentationProxy::NameLegend(vtkSMProxy* view, vtkSMProxy* map)
+{
+  vtkSMProxy* legend = vtkSMTransferFunctionProxy::FindScalarBarRepresentation(map, view);
+  vtkSMPropertyHelper shown(this, "ColorArrayName");
+  if (legend &&
+    std::strcmp(
+      vtkSMPropertyHelper(legend, "Title").GetAsString(), shown.GetInputArrayNameToProcess()) == 0)
+  {
+    vtkSMPropertyHelper(legend, "Title").Set("Isosurfaces");
+    legend->UpdateVTKObjects();
+  }
+}
+
+//------------------------------------------------------------------------------
 void vtkSMIsosurfaceRepresentationProxy::UpdateColors(vtkSMProxy* view, vtkSMProxy* contour)
 {
   if (vtkSMPropertyHelper(this, "UseSeparateColorMap").GetAsInt() == 0)
@@ -161,6 +199,7 @@ void vtkSMIsosurfaceRepresentationProxy::UpdateColors(vtkSMProxy* view, vtkSMPro
   {
     return;
   }
+  this->NameLegend(view, map);
   std::array<double, 3> plain{};
   vtkSMPropertyHelper(this, "DiffuseColor").Get(plain.data(), 3);
   const std::vector<IsovalueCategory> old = ReadCategories(map);

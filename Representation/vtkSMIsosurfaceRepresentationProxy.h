@@ -12,7 +12,7 @@
  * color of surfaces without colors. In a CT, isovalues of tissues look as these usually do.
  *
  * All of it is in ParaView's own properties of the color map, and happens when a view updates: the
- * same in the window, in scripts, and through a server. Surfaces are those of Stabbing Contour, and of
+ * same in the window, in scripts, and through a server. Surfaces are those of Isosurface, and of
  * Distribute Isosurface behind it.
  */
 
@@ -32,6 +32,10 @@ public:
 
   void ViewUpdated(vtkSMProxy* view) override;
 
+  /// Whether a representation colors a surface by its isovalues: by the array that the contour was told, or,
+  /// if it was told none, by the scalars of the surface.
+  static bool ShowsIsovalues(vtkSMProxy* representation, vtkSMProxy* contour);
+
 protected:
   vtkSMIsosurfaceRepresentationProxy() = default;
   ~vtkSMIsosurfaceRepresentationProxy() override = default;
@@ -46,6 +50,8 @@ private:
   /// goes with it.
   void ChangeColorMap(vtkSMProxy* view, bool separate);
   void UpdateColors(vtkSMProxy* view, vtkSMProxy* contour);
+  /// A slice of the volume may have a legend under the array's name.
+  void NameLegend(vtkSMProxy* view, vtkSMProxy* map);
 
   bool HasOwnMap = false; ///< since the last update, or longer
 };

@@ -20,7 +20,7 @@ libraries, without the file in the system's cache (that takes root; --warm leave
               a coarse surface of the indexed file; without drawing, which windows do in portions
     processor, peak memory: of all of that
 
-of Volume Reader (Any Size), Stabbing Contour and Isosurface Mapper, as ParaView's window uses them, and of
+of Volume Reader (Any Size), Isosurface and Isosurface Mapper, as ParaView's window uses them, and of
 VTK's own reader, zarr, h5py or tifffile with vtkFlyingEdges3D and vtkPolyDataMapper, whose first picture is exact.
 Needs an X display, python3-h5py, python3-zarr (version 2), for TIFF python3-tifffile, for DICOM python3-pydicom,
 and the package scalable_isosurface on PYTHONPATH.

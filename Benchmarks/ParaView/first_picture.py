@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a new isovalue to the picture: Stabbing Contour beside ParaView's Contour, in one run.
+"""From a new isovalue to the picture: Isosurface beside ParaView's Contour, in one run.
 
     pvpython first_picture.py --plugin ScalableIsosurface.so [--volume FILE --array NAME]
         [--isovalues V V ...] [--size 1280 800] [--view RenderView] [--ours-only]
@@ -102,10 +102,10 @@ def main():
     simple.LoadPlugin(arguments.plugin, remote=True, ns=vars(simple))
     source, array = open_volume(arguments)
     totals = {}
-    for kind in ("StabbingContour",) if arguments.ours_only else ("Contour", "StabbingContour"):
+    for kind in ("Isosurface",) if arguments.ours_only else ("Contour", "Isosurface"):
         totals[kind] = report(kind, *measure(kind, source, array, arguments))
     if len(totals) == 2:
-        ratio = totals["Contour"] / totals["StabbingContour"]
+        ratio = totals["Contour"] / totals["Isosurface"]
         print(f"new isovalue to picture: {ratio:.1f} times as fast as Contour")
 
 

@@ -47,7 +47,7 @@ SETUP = f"""<?xml version="1.0" ?>
   <pqevent object="pqClientMainWindow/menubar/menu_File" command="activate" arguments="actionFileOpen" />
   <pqevent object="pqClientMainWindow/FileOpenDialog" command="filesSelected" arguments="@VOLUME@" />
   <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
-  <pqevent object="pqClientMainWindow/menubar/menuFilters/Alphabetical" command="activate" arguments="StabbingContour" />
+  <pqevent object="pqClientMainWindow/menubar/menuFilters/Alphabetical" command="activate" arguments="Isosurface" />
   @ISOVALUE@
   <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
   <pqevent object="{DISPLAY}/ColorEditor/DisplayColorWidget/Variables" command="activated" arguments="Solid Color" />

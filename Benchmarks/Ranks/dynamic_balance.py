@@ -121,7 +121,7 @@ def main():
     controller = vtkMultiProcessController.GetGlobalController()
     rank, ranks = controller.GetLocalProcessId(), controller.GetNumberOfProcesses()
     reader = simple.BlockedVolumeReader(FileName=arguments.volume, CacheSize=arguments.cache)
-    contour = simple.StabbingContour(Input=reader)
+    contour = simple.Isosurface(Input=reader)
     share = Interruptions() if arguments.stops else ProcessorShare(rank)
     whole = 1 if arguments.stops else arguments.processor
     try:

@@ -18,7 +18,9 @@ namespace isosurface
 
 bool IsStabbingContour(vtkSMProxy* proxy)
 {
-  return proxy && proxy->GetXMLName() && std::strcmp(proxy->GetXMLName(), "StabbingContour") == 0;
+  return proxy && proxy->GetXMLName() &&
+    (std::strcmp(proxy->GetXMLName(), "Isosurface") == 0 ||
+      std::strcmp(proxy->GetXMLName(), "StabbingContour") == 0);
 }
 
 bool IsRefined(vtkSMProxy* proxy)

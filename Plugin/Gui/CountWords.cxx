@@ -64,6 +64,13 @@ QString FormatSeconds(double seconds)
                          : QString::number(std::round(seconds / 60)) + " min";
 }
 
+QString FormatResolution(int level)
+{
+  return level == 0
+    ? QCoreApplication::translate("CountWords", "full resolution")
+    : QCoreApplication::translate("CountWords", "1/%1 resolution").arg(std::ldexp(1.0, level));
+}
+
 QStringList DescribeIsosurface(const SpectrumCurve& spectrum, double isovalue, bool stored)
 {
   const auto translate = [](const char* text)

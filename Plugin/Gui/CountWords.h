@@ -22,6 +22,9 @@ QString FormatValue(double value);
 /// Seconds: 2 ms, 0.3 s, 12 s, 3 min.
 QString FormatSeconds(double seconds);
 
+/// A level of detail: full resolution, 1/2 resolution, 1/4 resolution.
+QString FormatResolution(int level);
+
 /// The isovalue, and what its isosurface is, as far as a spectrum knows it, a line each. stored:
 /// whether its blocks are read from files; else they lie in memory.
 QStringList DescribeIsosurface(const SpectrumCurve& spectrum, double isovalue, bool stored);

@@ -13,6 +13,7 @@
 #include "pqPropertyWidget.h"
 
 class QLabel;
+class pqPropertyWidgetDecorator;
 
 class pqInformationLine : public pqPropertyWidget
 {
@@ -33,6 +34,8 @@ private:
   Q_DISABLE_COPY(pqInformationLine)
 
   QLabel* Label;
+  pqPropertyWidgetDecorator* Decorator = nullptr; ///< hides this line while the text is empty
+  QString Text;
 };
 
 #endif

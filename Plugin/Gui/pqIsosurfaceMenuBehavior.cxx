@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqIsosurfaceMenuBehavior.h"
 
-#include "WindowCall.h"
-
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
 #include "pqDataRepresentation.h"
-#include "pqProxyGroupMenuManager.h"
 #include "pqServerManagerModel.h"
 #include "pqView.h"
 #include "vtkCommand.h"
@@ -14,7 +11,6 @@
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
 
-#include <QAction>
 #include <QMainWindow>
 #include <QTimer>
 #include <QToolBar>
@@ -82,21 +78,8 @@ void pqIsosurfaceMenuBehavior::OnStartup()
   const pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
   QObject::connect(
     model, &pqServerManagerModel::viewAdded, this, &pqIsosurfaceMenuBehavior::ObserveView);
-  isosurface::CallWithWindow(this, &pqIsosurfaceMenuBehavior::ObserveMenus);
   QObject::connect(pqApplicationCore::instance(), &pqApplicationCore::clientEnvironmentDone, this,
     &pqIsosurfaceMenuBehavior::MoveToolBar);
-}
-
-//------------------------------------------------------------------------------
-void pqIsosurfaceMenuBehavior::ObserveMenus()
-{
-  const QWidget* window = pqCoreUtilities::mainWidget();
-  for (pqProxyGroupMenuManager* menus : window->findChildren<pqProxyGroupMenuManager*>())
-  {
-    QObject::connect(
-      menus, &pqProxyGroupMenuManager::menuPopulated, this, &pqIsosurfaceMenuBehavior::NameActions);
-  }
-  this->NameActions();
 }
 
 //------------------------------------------------------------------------------
@@ -106,25 +89,6 @@ void pqIsosurfaceMenuBehavior::MoveToolBar()
   if (auto* bar = window ? window->findChild<QToolBar*>("Scalable Isosurface") : nullptr)
   {
     window->addToolBar(bar);
-  }
-}
-
-//------------------------------------------------------------------------------
-void pqIsosurfaceMenuBehavior::NameActions()
-{
-  const QWidget* window = pqCoreUtilities::mainWidget();
-  for (pqProxyGroupMenuManager* menus : window->findChildren<pqProxyGroupMenuManager*>())
-  {
-    for (QAction* action : menus->actions())
-    {
-      if (action->objectName() == "StabbingContour")
-      {
-        // The label of the server manager comes back with each look at a tool bar's actions.
-        QObject::connect(action, &QAction::changed, this, &pqIsosurfaceMenuBehavior::NameActions,
-          Qt::UniqueConnection);
-        action->setText(tr("Isosurface (Stabbing Contour)"));
-      }
-    }
   }
 }
 

@@ -3,8 +3,6 @@
  * @class   pqIsosurfaceMenuBehavior
  * @brief   makes what the plugin offers findable, and what it shows readable
  *
- * - Menus and the quick search call Stabbing Contour "Isosurface (Stabbing Contour)". Its label in
- *   the server manager stays, since scripts call the filter by that.
  * - The tool bar of the filters is the last one. ParaView makes that of a plugin which is loaded at its
  *   start (PV_PLUGIN_PATH, Auto Load) before its own, in a full line, where its buttons do not show.
  * - A new chart of a contour spectrum shows the triangles alone, on a logarithmic axis where they
@@ -34,9 +32,7 @@ public:
   void OnShutdown() {}
 
 private Q_SLOTS:
-  void ObserveMenus();
   void MoveToolBar();
-  void NameActions();
   void ObserveView(pqView* view);
   void ArrangeChart(pqRepresentation* representation);
   void ExpectReset();

@@ -23,6 +23,7 @@
 #include "vtkCommand.h"
 #include "vtkEventQtSlotConnect.h"
 #include "vtkSMDoubleRangeDomain.h"
+#include "vtkSMIsosurfaceRepresentationProxy.h"
 #include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSession.h"
@@ -42,7 +43,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <vector>
 
 using isosurface::IsosurfaceForecast;
@@ -114,18 +114,19 @@ void pqIsovaluePropertyWidget::LayOut()
   }
 
   this->Chart->setObjectName("IsovalueChart");
-  this->Chart->setToolTip(tr("<p>The contour spectrum: what the isosurface of each isovalue is, "
-                             "and in grey how often values occur. Drag a handle to move its "
-                             "isovalue, double-click to add one, press Delete to remove it. The "
-                             "arrow keys move it by a fine step, the wheel zooms, Home shows "
-                             "all.</p>"));
   this->Quantities->setObjectName("SpectrumQuantity");
   this->Quantities->addItem(tr("Triangles"), static_cast<int>(Quantity::Triangles));
   this->Quantities->addItem(tr("Area"), static_cast<int>(Quantity::Area));
   this->Quantities->addItem(tr("Blocks to read"), static_cast<int>(Quantity::ActiveBlocks));
   this->Quantities->addItem(tr("Bytes to read"), static_cast<int>(Quantity::Bytes));
   this->Quantities->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
-  this->Quantities->setToolTip(tr("The quantity that the chart shows over the isovalue."));
+  // A tooltip of the chart would cover its readout.
+  this->Quantities->setToolTip(
+    tr("<p>The quantity that the chart shows over the isovalue: the contour "
+       "spectrum. In grey how often values occur. Drag a handle to move its "
+       "isovalue, double-click to add one, press Delete to remove it. The "
+       "arrow keys move it by a fine step, the wheel zooms, Home shows "
+       "all.</p>"));
   this->Live->setObjectName("Live");
   this->Live->setToolTip(tr("Whether surfaces follow while a handle is dragged, without Apply."));
   this->Live->setChecked(
@@ -176,18 +177,11 @@ void pqIsovaluePropertyWidget::LayOutTissues()
 void pqIsovaluePropertyWidget::ToggleIsovalue(double isovalue)
 {
   QVariantList isovalues = this->Chart->GetIsovalues();
-  // The isovalue that ParaView proposed is not what somebody wants who asks for a tissue.
-  auto* range = this->property()->FindDomain<vtkSMDoubleRangeDomain>();
-  const bool isProposed = isovalues.size() == 1 && range && range->GetMinimumExists(0) &&
-    range->GetMaximumExists(0) && isovalues[0].toDouble() != isovalue &&
-    isovalues[0].toDouble() == (range->GetMinimum(0) + range->GetMaximum(0)) / 2;
-  if (isProposed)
-  {
-    isovalues.clear();
-  }
   if (!isovalues.removeOne(isovalue))
   {
-    isovalues.push_back(isovalue);
+    const auto above = std::find_if(isovalues.begin(), isovalues.end(),
+      [isovalue](const QVariant& other) { return other.toDouble() > isovalue; });
+    isovalues.insert(above, isovalue);
   }
   this->Chart->ChangeIsovalues(isovalues);
 }
@@ -395,13 +389,8 @@ void pqIsovaluePropertyWidget::UpdateColors()
   auto* representation = vtkSMPVRepresentationProxy::SafeDownCast(display);
   if (representation && representation->GetUsingScalarColoring())
   {
-    // The surface carries its isovalues under the name of the contoured array.
-    const char* coloured =
-      vtkSMPropertyHelper(display, "ColorArrayName").GetInputArrayNameToProcess();
-    const char* contoured =
-      vtkSMPropertyHelper(this->proxy(), "SelectInputScalars").GetInputArrayNameToProcess();
     vtkSMProxy* table = vtkSMPropertyHelper(display, "LookupTable").GetAsProxy();
-    if (!table || !coloured || !contoured || std::strcmp(coloured, contoured) != 0)
+    if (!table || !vtkSMIsosurfaceRepresentationProxy::ShowsIsovalues(display, this->proxy()))
     {
       this->Chart->SetColors(QVector<QColor>());
       return;

@@ -23,8 +23,8 @@ namespace
 {
 
 /// Those that take the volume's blocks, not the reader's output.
-const char* const OwnFilters[] = { "StabbingContour", "ContourSpectrum", "VolumeSlice",
-  "VolumeRegion", "VolumeProbe" };
+const char* const OwnFilters[] = { "Isosurface", "StabbingContour", "ContourSpectrum",
+  "VolumeSlice", "VolumeRegion", "VolumeProbe" };
 
 bool IsNamed(const pqPipelineSource* source, const char* name)
 {
@@ -94,6 +94,6 @@ void pqOverviewNoteBehavior::Update()
     line->setVisible(!shown.isEmpty());
     line->setText(shown.isEmpty()
         ? QString()
-        : tr("The input is %1. Isosurface (Stabbing Contour) takes the volume itself.").arg(shown));
+        : tr("The input is %1. Isosurface takes the volume itself.").arg(shown));
   }
 }

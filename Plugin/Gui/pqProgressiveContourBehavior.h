@@ -4,7 +4,7 @@
  * @brief   surfaces and slices that the user asks for by hand are coarse at once, and exact soon
  *
  * While ParaView applies what was changed in a Properties panel, undoes it, or goes to another time
- * by the buttons of the toolbar, every Stabbing Contour may give a coarse surface, every Volume
+ * by the buttons of the toolbar, every Isosurface may give a coarse surface, every Volume
  * Slice a coarse slice, and every Volume Reader (Any Size) a sample of its file (AllowCoarse).
  * pqIndexStatus sees to the latter. Scripts, state files and saved animations get exact ones.
  * Afterwards each contour or slice that is not final makes the next level beside the window
@@ -123,7 +123,7 @@ private:
   QPointer<QDialog> Question;          ///< about a surface that is too large
   std::vector<Watched> All;
   std::map<vtkTypeUInt32, vtkBoundingBox> BoundsBefore; ///< of those that grow, by the proxies' ids
-  QElapsedTimer LastInput; ///< since the mouse or a key was last used
+  QElapsedTimer LastInput;                              ///< since the mouse or a key was last used
   bool Finishing = false;
   bool ChangingTime = false;
 };

@@ -70,9 +70,9 @@ void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
   const QString triangles = report.Triangles > 0
     ? tr(" of about %1 triangles").arg(isosurface::FormatCount(report.Triangles))
     : QString(); // of a slice
-  this->setText(tr("Level %1 shown, refining to level %2: %3 %%4")
-                  .arg(report.ShownLevel)
-                  .arg(report.FinalLevel)
+  this->setText(tr("%1, refining to %2: %3 %%4")
+                  .arg(isosurface::FormatResolution(report.ShownLevel))
+                  .arg(isosurface::FormatResolution(report.FinalLevel))
                   .arg(std::floor(100 * report.Share))
                   .arg(triangles));
   this->ShowBegin();
@@ -90,8 +90,8 @@ void pqRefinementStatus::ShowGrowth(const RefinementReport& report)
 void pqRefinementStatus::ShowEnd(int level, bool stopped)
 {
   this->Stop->setEnabled(false);
-  this->setText(stopped ? tr("Level %1 shown, refining was stopped").arg(level)
-                        : tr("Level %1 shown").arg(level));
+  const QString resolution = isosurface::FormatResolution(level);
+  this->setText(stopped ? tr("%1, refining was stopped").arg(resolution) : resolution);
   this->show();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqSpectrumPickBehavior.h"
 
+#include "ContourProxy.h"
 #include "PickedRows.h"
 #include "ValueAxis.h"
 #include "pqSpectrumSource.h"
@@ -65,7 +66,8 @@ pqPipelineSource* FindContour(vtkSMProxy* spectrum)
   pqPipelineSource* found = nullptr;
   for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
   {
-    if (IsSource(source, "StabbingContour") && AreOfTheSame(source->getProxy(), spectrum))
+    if (isosurface::IsStabbingContour(source->getProxy()) &&
+      AreOfTheSame(source->getProxy(), spectrum))
     {
       found = source;
       if (source == active)

@@ -14,7 +14,7 @@ def contour():
     simple.LoadDistributedPlugin("ScalableIsosurface", remote=True, ns=vars(simple))
     if simple.servermanager.ActiveConnection.IsRemote():
         simple.LoadDistributedPlugin("ScalableIsosurface", remote=False, ns=vars(simple))
-    surface = simple.StabbingContour(
+    surface = simple.Isosurface(
         Input=simple.Wavelet(), ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0]
     )
     surface.UpdatePipeline()

@@ -7,7 +7,7 @@ from paraview import simple
 FIRST, LAST, FRAMES = 120.0, 180.0, 4
 
 reader = simple.OpenDataFile(os.environ["HAND_VOLUME"])
-contour = simple.StabbingContour(Input=reader, Isosurfaces=[FIRST])
+contour = simple.Isosurface(Input=reader, Isosurfaces=[FIRST])
 simple.Show(contour)
 simple.ResetCamera()
 track = simple.GetAnimationTrack("ContourValues", index=0, proxy=contour)

@@ -21,7 +21,7 @@ class Arrays(plugin_testing.TestCase):
         components = {array["name"]: array["components"] for array in header["arrays"]}
         self.assertEqual(components, {"RTData": 1, "Gradient": 3})
         reader = plugin_testing.open_volume(path)
-        surface = simple.StabbingContour(
+        surface = simple.Isosurface(
             Input=reader, ContourBy=["POINTS", "Gradient"], Isosurfaces=[5.0]
         )
         for component, function in enumerate(
@@ -53,7 +53,7 @@ class Arrays(plugin_testing.TestCase):
         path = plugin_testing.output("ranges.bvol")
         simple.SaveData(path, proxy=make_vectors())
         reader = plugin_testing.open_volume(path)
-        surface = simple.StabbingContour(Input=reader, ContourBy=["POINTS", "Gradient"])
+        surface = simple.Isosurface(Input=reader, ContourBy=["POINTS", "Gradient"])
         domain = surface.GetProperty("Isosurfaces").SMProperty.FindDomain("vtkSMArrayRangeDomain")
         for component in range(4):
             surface.Component = component

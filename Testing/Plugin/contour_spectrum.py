@@ -44,7 +44,7 @@ class ContourSpectrum(testing.TestCase):
         reader = testing.open_volume("wave.bvol")
         table = fetch(simple.ContourSpectrum(Input=reader))
         row = len(table["Isovalue"]) // 2
-        contour = simple.StabbingContour(Input=reader, Isosurfaces=[table["Isovalue"][row]])
+        contour = simple.Isosurface(Input=reader, Isosurfaces=[table["Isovalue"][row]])
         contour.UpdatePipeline()
         cells = contour.GetDataInformation().GetNumberOfCells()
         self.assertEqual(table["Triangles"][row], cells)

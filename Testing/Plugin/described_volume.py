@@ -34,7 +34,7 @@ class DescribedVolume(testing.TestCase):
         for ours, theirs in zip(reader.PointData["Marked"].GetRange(), expected):
             self.assertAlmostEqual(ours, theirs, places=3)
         # What hangs on it: the isovalue that the panel proposes.
-        contour = simple.StabbingContour(Input=reader)
+        contour = simple.Isosurface(Input=reader)
         self.assertAlmostEqual(contour.Isosurfaces[0], sum(expected) / 2, delta=1)
 
     def test_tells_what_is_shown_of_it(self):
@@ -55,7 +55,7 @@ class DescribedVolume(testing.TestCase):
         self.assertEqual(len(reader.TimestepValues), 2)
         counts = []
         for time, isovalue in zip(reader.TimestepValues, (150, 300)):
-            contour = simple.StabbingContour(Input=reader, Isosurfaces=[isovalue])
+            contour = simple.Isosurface(Input=reader, Isosurfaces=[isovalue])
             contour.UpdatePipeline(time)
             counts.append(contour.GetDataInformation().GetNumberOfCells())
         self.assertGreater(counts[0], 0)

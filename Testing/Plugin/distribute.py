@@ -11,7 +11,7 @@ class DistributeIsosurface(plugin_testing.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.volume = plugin_testing.open_volume("wave.bvol")
-        cls.contour = simple.StabbingContour(
+        cls.contour = simple.Isosurface(
             Input=cls.volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[plugin_testing.ISOVALUE]
         )
         cls.triangles = plugin_testing.count_expected_triangles()
@@ -36,7 +36,7 @@ class DistributeIsosurface(plugin_testing.TestCase):
                 self.assertEqual(surface.PointData["RTData"].GetRange(), (150.0, 150.0))
 
     def test_contour_makes_no_surface_on_several_ranks(self):
-        contour = simple.StabbingContour(
+        contour = simple.Isosurface(
             Input=self.volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[plugin_testing.ISOVALUE]
         )
         surface = simple.DistributeIsosurface(Input=contour)
@@ -69,7 +69,7 @@ class DistributeIsosurface(plugin_testing.TestCase):
     def test_surface_follows_the_time(self):
         path = plugin_testing.output("series.bvol")
         simple.SaveData(path, proxy=plugin_testing.make_series(), WriteAllTimeSteps=1)
-        contour = simple.StabbingContour(
+        contour = simple.Isosurface(
             Input=simple.OpenDataFile(path), ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0]
         )
         surface = simple.DistributeIsosurface(Input=contour)

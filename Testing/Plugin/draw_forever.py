@@ -15,7 +15,7 @@ simple.LoadPlugin(plugin, remote=True, ns=vars(simple))
 view = simple.CreateView(view_name)
 view.ViewSize = [300, 300]
 reader = simple.BlockedVolumeReader(FileName=volume)
-contour = simple.StabbingContour(Input=reader, ContourBy=["POINTS", "RTData"], Isosurfaces=[150])
+contour = simple.Isosurface(Input=reader, ContourBy=["POINTS", "RTData"], Isosurfaces=[150])
 simple.Show(contour, view)
 numbers = simple.ProgrammableSource(
     Script=f"""

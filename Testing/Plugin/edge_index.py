@@ -41,7 +41,7 @@ class EdgeIndexFiles(plugin_testing.TestCase):
         self.assertEqual(plugin_testing.count_cells(reopen(path)), self.triangles)
 
     def test_a_writer_of_a_script_makes_no_surface(self):
-        contour = simple.StabbingContour(
+        contour = simple.Isosurface(
             Input=self.volume, ContourBy=["POINTS", "RTData"], Isosurfaces=[plugin_testing.ISOVALUE]
         )
         path = plugin_testing.output("script.eix")

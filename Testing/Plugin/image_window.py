@@ -26,7 +26,7 @@ def count_expected_triangles(isovalues):
 class ImageWindow(testing.TestCase):
     def test_surfaces_are_coarse_first_and_exact_last(self):
         surfaces = testing.find_triangles(testing.read_window_log())
-        isovalues = testing.read_state("window.pvsm", "StabbingContour", "ContourValues")[0]
+        isovalues = testing.read_state("window.pvsm", "Isosurface", "ContourValues")[0]
         self.assertEqual(len(isovalues), 2)
         self.assertEqual(surfaces[1], count_expected_triangles(isovalues[:1]))
         self.assertEqual(surfaces[-1], count_expected_triangles(isovalues))

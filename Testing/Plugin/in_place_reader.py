@@ -183,7 +183,7 @@ class InPlaceReader(testing.TestCase):
     def test_contour_alone_has_the_file_indexed(self):
         write_zarr(self.source, self.samples)
         reader = simple.InPlaceVolumeReader(FileName=self.source)
-        surface = simple.StabbingContour(Input=reader, Isosurfaces=[testing.ISOVALUE])
+        surface = simple.Isosurface(Input=reader, Isosurfaces=[testing.ISOVALUE])
         self.assertEqual(testing.count_cells(surface), self.expected)
 
     def test_changed_source_is_indexed_anew(self):
@@ -290,7 +290,7 @@ class InPlaceReader(testing.TestCase):
                 indexed, copied = simple.OpenDataFile(index), testing.output("copy.bvol")
                 simple.SaveData(copied, proxy=indexed)
                 for volume in (indexed, simple.OpenDataFile(copied)):
-                    contour = simple.StabbingContour(Input=volume)
+                    contour = simple.Isosurface(Input=volume)
                     contour.UpdatePipeline()
                     contour.UpdatePropertyInformation()
                     self.assertEqual(contour.Unit, "HU")
@@ -341,7 +341,7 @@ class InPlaceReader(testing.TestCase):
         self.assertTrue(filecmp.cmp(self.index, testing.volume("wave.bvol"), shallow=False))
 
     def check_surfaces(self, count):
-        surfaces = [proxy for key, proxy in simple.GetSources().items() if key[0].startswith("StabbingContour")]
+        surfaces = [proxy for key, proxy in simple.GetSources().items() if key[0].startswith("Isosurface")]
         self.assertEqual([testing.count_cells(surface) for surface in surfaces], [self.expected] * count)
 
     def test_states_open_every_format_again(self):

@@ -7,4 +7,4 @@ import os
 from paraview.simple import *
 
 LoadPlugin(os.environ["PLUGIN_TO_LOAD"], remote=False, ns=globals())
-StabbingContour  # the function is there at once
+Isosurface  # the function is there at once

@@ -15,7 +15,7 @@ for path in sys.argv[2:]:
     triangles = 0
     try:
         reader = simple.BlockedVolumeReader(FileName=path)  # OpenDataFile refuses some at once
-        surface = simple.StabbingContour(
+        surface = simple.Isosurface(
             Input=reader, ContourBy=["POINTS", "RTData"], Isosurfaces=[150]
         )
         surface.UpdatePipeline()

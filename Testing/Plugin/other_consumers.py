@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stabbing Contour beside and behind ParaView's own filters. Any number of ranks."""
+"""Isosurface beside and behind ParaView's own filters. Any number of ranks."""
 
 from paraview import simple
 
@@ -7,7 +7,7 @@ import plugin_testing as testing
 
 
 class Beside(testing.TestCase):
-    """Consumers of the same reader see the whole volume, whatever Stabbing Contour asks for."""
+    """Consumers of the same reader see the whole volume, whatever Isosurface asks for."""
 
     def setUp(self):
         self.image = testing.open_image()

@@ -14,7 +14,7 @@ import plugin_testing as testing
 class Panels(testing.TestCase):
     def test_a_budget_of_triangles_is_a_64_bit_number(self):
         path = "GuiNumbers/numbers.pvsm"
-        self.assertEqual(testing.read_state(path, "StabbingContour", "MaximumTriangles"), [[6e9]])
+        self.assertEqual(testing.read_state(path, "Isosurface", "MaximumTriangles"), [[6e9]])
 
     def test_region_of_an_edge_index_file_is_a_box_of_the_world(self):
         # The bounds of the surface's box: the grid of wave.vti.

@@ -18,8 +18,8 @@ def select(source, rows):
 
 
 reader = simple.OpenDataFile(os.path.join(VOLUMES, "wave.bvol"))
-contour = simple.StabbingContour(Input=reader, Isosurfaces=[150])
-other = simple.StabbingContour(Input=simple.OpenDataFile(os.path.join(VOLUMES, "wave.vti")))
+contour = simple.Isosurface(Input=reader, Isosurfaces=[150])
+other = simple.Isosurface(Input=simple.OpenDataFile(os.path.join(VOLUMES, "wave.vti")))
 spectrum = simple.ContourSpectrum(Input=reader)
 spectrum.UpdatePipeline()
 select(spectrum, [100, 101, 102, 103, 300])

@@ -336,7 +336,7 @@ output.VTKObject.GetPointData().SetActiveScalars("RTData")
 
 
 def contour(source, isovalue=ISOVALUE, array="RTData"):
-    surface = simple.StabbingContour(
+    surface = simple.Isosurface(
         Input=source, ContourBy=["POINTS", array], Isosurfaces=[isovalue]
     )
     surface.UpdatePipeline()
@@ -385,7 +385,7 @@ def count_expected_triangles(isovalue=ISOVALUE, function=None):
 
 
 def read_costs(surface):
-    """The field data of a Stabbing Contour as a user saves it: a dictionary for each rank."""
+    """The field data of a Isosurface as a user saves it: a dictionary for each rank."""
     path = output("costs.csv")
     simple.SaveData(path, proxy=surface, FieldAssociation="Field Data")
     with open(path, newline="") as table:

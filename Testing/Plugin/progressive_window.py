@@ -23,13 +23,13 @@ class ProgressiveWindow(testing.TestCase):
         self.assertEqual(surfaces, [])
 
     def test_state_gives_the_full_surface(self):
-        (progressive,) = testing.read_state("window.pvsm", "StabbingContour", "Progressive")
+        (progressive,) = testing.read_state("window.pvsm", "Isosurface", "Progressive")
         self.assertEqual(progressive, [0])
         simple.LoadState(testing.state("window.pvsm"))
         (surface,) = [
             source
             for source in simple.GetSources().values()
-            if source.GetXMLName() == "StabbingContour"
+            if source.GetXMLName() == "Isosurface"
         ]
         self.check_triangles(surface)
 

@@ -68,16 +68,15 @@ class Proxies(testing.TestCase):
 
     def test_contour_has_the_properties_of_the_stock_one_with_its_defaults(self):
         reader = testing.open_volume("wave.bvol")
-        ours = simple.StabbingContour(Input=reader)
-        names = ["ContourBy", "Isosurfaces", "ComputeNormals", "ComputeScalars"]
-        names.append("GenerateTriangles")
-        self.check_properties(ours, names + ["Component"])
+        ours = simple.Isosurface(Input=reader)
+        names = ["ContourBy", "ComputeNormals", "ComputeScalars", "GenerateTriangles"]
+        self.check_properties(ours, names + ["Component", "Isosurfaces"])
         options = ["InterpolatedArrays", "DropDegenerateTriangles", "CloseBoundary", "Inside", "UseRegion"]
         options += ["RegionPosition", "RegionLength", "FrustumPlanes"]
         options += ["IslandSize", "MinimumIslandSize", "MaximumIslands", "UseIslandPoint"]
         options += ["IslandPoint", "ComputeIslandIds", "IslandSummary"]
         options += ["Level", "TimeBudget", "MaximumTriangles", "Progressive", "Refine", "Final"]
-        options += ["RefinementMemory"]
+        options += ["RefinementMemory", "SkipNotANumber"]
         self.check_properties(ours, options)
         source = testing.open_image()
         stock = simple.Contour(Input=source)
@@ -85,6 +84,37 @@ class Proxies(testing.TestCase):
         for name in names:
             with self.subTest(name=name):
                 self.assertEqual(str(getattr(ours, name)), str(getattr(stock, name)))
+
+    def test_earlier_names_are_accepted(self):
+        reader = testing.open_volume("wave.bvol")
+        old = simple.StabbingContour(Input=reader, Isosurfaces=[testing.ISOVALUE], SkipNaN=1, Level=1)
+        new = simple.Isosurface(Input=reader, Isosurfaces=[testing.ISOVALUE], SkipNotANumber=1, Level=1)
+        self.assertEqual(testing.count_cells(old), testing.count_cells(new))
+        self.assertEqual(new.SMProxy.GetXMLName(), "Isosurface")
+        display = simple.Show(old, testing.make_view())
+        simple.Render()
+        self.assertEqual(display.SMProxy.GetXMLName(), "IsosurfaceRepresentation")
+        self.assertTrue(display.LookupTable.InterpretValuesAsCategories)
+
+    def test_NaN_is_skipped_by_either_name(self):
+        holes = simple.ProgrammableFilter(Input=testing.open_image())
+        holes.Script = """
+import numpy
+samples = inputs[0].PointData["RTData"]
+output.PointData.append(numpy.where(samples < 100, numpy.nan, samples), "Holes")
+"""
+        holes.UpdatePipeline()
+        for name in ("SkipNaN", "SkipNotANumber"):
+            with self.subTest(name=name):
+                surface = simple.Isosurface(
+                    Input=holes, ContourBy=["POINTS", "Holes"], Isosurfaces=[testing.ISOVALUE]
+                )
+                cells = []
+                for skips in (0, 1, 0):
+                    setattr(surface, name, skips)
+                    cells.append(testing.count_cells(surface))
+                self.assertLess(cells[1], cells[0])
+                self.assertEqual(cells[2], cells[0])
 
     def test_levels_end_with_the_coarsest_of_the_volume(self):
         def get_maximum(contour):
@@ -97,7 +127,7 @@ class Proxies(testing.TestCase):
         self.assertEqual(contour.FieldData["Level"].GetRange(), (coarsest, coarsest))
         self.assertGreaterEqual(coarsest, 4, "blocks of 16 cells have levels of 16 to 1 cells")
         source = testing.open_image()
-        self.assertEqual(get_maximum(simple.StabbingContour(Input=source)), 0)
+        self.assertEqual(get_maximum(simple.Isosurface(Input=source)), 0)
 
     def test_writer_has_its_properties_in_save_data(self):
         source = testing.open_image()

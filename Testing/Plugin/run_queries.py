@@ -12,7 +12,7 @@ plugin, volume, folder = sys.argv[1:]
 simple.LoadPlugin(plugin, remote=True, ns=vars(simple))
 reader = simple.OpenDataFile(volume)
 reader.UpdatePipeline()
-surface = simple.StabbingContour(Input=reader, ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0])
+surface = simple.Isosurface(Input=reader, ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0])
 surface.UpdatePipeline()
 simple.DistributeIsosurface(Input=surface).UpdatePipeline()
 simple.ContourSpectrum(Input=reader).UpdatePipeline()

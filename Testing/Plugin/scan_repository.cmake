@@ -25,7 +25,7 @@ if(PVBATCH)
   file(WRITE "${FOLDER}/load.py"
     "from paraview.simple import *\n"
     "LoadPlugin('${plugin}', remote=True, ns=globals())\n"
-    "surface = StabbingContour(Input=Wavelet(), ContourBy=['POINTS', 'RTData'], Isosurfaces=[150.0])\n"
+    "surface = Isosurface(Input=Wavelet(), ContourBy=['POINTS', 'RTData'], Isosurfaces=[150.0])\n"
     "surface.UpdatePipeline()\n"
     "assert surface.GetDataInformation().GetNumberOfCells() > 0\n")
   execute_process(COMMAND "${PVBATCH}" "${FOLDER}/load.py" RESULT_VARIABLE result)

@@ -11,7 +11,7 @@ class SeriesWindow(testing.TestCase):
     def test_each_time_is_coarse_first_and_exact_at_rest(self):
         series = testing.open_volume("series.bvol")
         # The default isovalue, in the middle of the first time step's values.
-        contour = simple.StabbingContour(Input=series)
+        contour = simple.Isosurface(Input=series)
         exact = []
         for time in range(4):
             contour.UpdatePipeline(time)

@@ -5,7 +5,7 @@ import plugin_testing as testing
 
 
 def read_isovalues(name):
-    return testing.read_state(name, "StabbingContour", "ContourValues")
+    return testing.read_state(name, "Isosurface", "ContourValues")
 
 
 class SpectrumPick(testing.TestCase):

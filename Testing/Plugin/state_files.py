@@ -13,7 +13,7 @@ class StateFiles(testing.TestCase):
 
     def check_session(self, image):
         view = simple.GetActiveView()
-        surface = simple.FindSource("StabbingContour1")
+        surface = simple.FindSource("Isosurface1")
         self.assertEqual(list(surface.Isosurfaces), [testing.ISOVALUE])
         self.check_triangles(surface)
         self.check_image(view, "StabbingContour.png", image)

@@ -6,7 +6,7 @@ import os
 from paraview import simple
 
 reader = simple.OpenDataFile(os.environ["STRESS_VOLUME"])
-contour = simple.StabbingContour(Input=reader, Isosurfaces=[150.0])
+contour = simple.Isosurface(Input=reader, Isosurfaces=[150.0])
 slice_of_volume = simple.VolumeSlice(Input=reader)
 for shown in (slice_of_volume, contour):
     simple.Show(shown)

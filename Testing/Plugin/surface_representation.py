@@ -99,7 +99,7 @@ class SurfaceRepresentation(testing.TestCase):
         cls.displays = {}
         cls.wave = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])
         # Whole numbers give degenerate triangles.
-        cls.surface = simple.StabbingContour(
+        cls.surface = simple.Isosurface(
             Input=cls.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[120.0, 200.0]
         )
 
@@ -244,7 +244,7 @@ class SurfaceRepresentation(testing.TestCase):
 
     def test_same_images_of_other_data(self):
         def smooth(**options):
-            return simple.StabbingContour(
+            return simple.Isosurface(
                 Input=self.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[130.5], **options
             )
 
@@ -253,7 +253,7 @@ class SurfaceRepresentation(testing.TestCase):
             "no normals": smooth(ComputeNormals=0),
             "no scalars": smooth(ComputeScalars=0),
             "no degenerate triangles": smooth(DropDegenerateTriangles=1),
-            "empty": simple.StabbingContour(
+            "empty": simple.Isosurface(
                 Input=self.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[1e6]
             ),
             "another filter's": simple.GroupDatasets(Input=[smooth(), self.surface]),
@@ -281,7 +281,7 @@ class SurfaceRepresentation(testing.TestCase):
         self.assertGreater(self.count_different(shown, both), 300)
 
     def test_a_new_isovalue_shows_the_new_surface(self):
-        surface = simple.StabbingContour(
+        surface = simple.Isosurface(
             Input=self.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[120.0]
         )
         self.addCleanup(simple.Delete, surface)
@@ -319,7 +319,7 @@ class SurfaceRepresentation(testing.TestCase):
             self.assertLessEqual(self.count_different(*images), self.get_tolerance())
 
     def test_while_the_camera_moves_a_thinned_surface_is_shown(self):
-        surface = simple.StabbingContour(
+        surface = simple.Isosurface(
             Input=self.wave, ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0]
         )
         self.addCleanup(simple.Delete, surface)
@@ -345,7 +345,7 @@ class SurfaceRepresentation(testing.TestCase):
     def test_colors_of_cells_stay_while_the_camera_moves(self):
         noise = simple.Wavelet(WholeExtent=[-30, 30, -30, 30, -30, 30], XFreq=300, YFreq=300)
         self.addCleanup(simple.Delete, noise)
-        surface = simple.StabbingContour(
+        surface = simple.Isosurface(
             Input=noise, ContourBy=["POINTS", "RTData"], Isosurfaces=[140.0], ComputeIslandIds=1
         )
         self.addCleanup(simple.Delete, surface)
@@ -374,7 +374,7 @@ class SurfaceRepresentation(testing.TestCase):
             self.skipTest("what is drawn is the same; one process is enough")
         noise = simple.Wavelet(WholeExtent=[-80, 80, -80, 80, -80, 80], XFreq=300, YFreq=300)
         self.addCleanup(simple.Delete, noise)
-        surface = simple.StabbingContour(
+        surface = simple.Isosurface(
             Input=noise, ContourBy=["POINTS", "RTData"], Isosurfaces=[140.0]
         )
         self.addCleanup(simple.Delete, surface)

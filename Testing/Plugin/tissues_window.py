@@ -8,7 +8,7 @@ import plugin_testing as testing
 class Tissues(testing.TestCase):
     def check_skin_and_bone(self, image):
         view = simple.GetActiveView()
-        display = simple.GetDisplayProperties(simple.FindSource("StabbingContour1"), view)
+        display = simple.GetDisplayProperties(simple.FindSource("Isosurface1"), view)
         simple.SaveScreenshot(testing.output(image), view, ImageResolution=testing.IMAGE_SIZE)
         self.assertEqual(
             list(display.LookupTable.Annotations),
@@ -21,7 +21,7 @@ class Tissues(testing.TestCase):
     def test_the_state_has_them(self):
         simple.ResetSession()
         self.assertEqual(
-            testing.read_state("tissues.pvsm", "StabbingContour", "ContourValues"), [[-300, 300]]
+            testing.read_state("tissues.pvsm", "Isosurface", "ContourValues"), [[-300, 300]]
         )
         self.load_state(testing.state("tissues.pvsm"))
         self.check_skin_and_bone("state.png")

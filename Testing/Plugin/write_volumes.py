@@ -46,7 +46,7 @@ simple.SaveData(
     os.path.join(folder, "wave.bvol"), proxy=wave, BlockSize=16, NumberOfStores=4
 )
 wave = simple.OpenDataFile(os.path.join(folder, "wave.bvol"))
-contour = simple.StabbingContour(Input=wave, Isosurfaces=[150])
+contour = simple.Isosurface(Input=wave, Isosurfaces=[150])
 contour.UpdatePipeline()
 simple.SaveData(os.path.join(folder, "wave.eix"), proxy=contour)
 testing.arguments = argparse.Namespace(volumes=folder)
