@@ -31,7 +31,7 @@ from paraview import simple
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import debian_scans  # noqa: E402  (found beside this script)
 
-# Properties of Distribute Isosurface, and whether Stabbing Contour computes normals.
+# Properties of Distribute Isosurface, and whether Isosurface computes normals.
 MODES = {
     "Lossless, exact normals": ({"Mode": "Lossless", "NormalError": 0}, True),
     "Lossless": ({"Mode": "Lossless", "NormalError": 0.01}, True),

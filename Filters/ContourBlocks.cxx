@@ -70,7 +70,7 @@ Status CheckVisible(const std::vector<ImagePiece>& pieces)
     [](const ImagePiece& piece) { return !piece.Samples.Hidden.IsEmpty(); });
   return hides ? Status(StatusCode::InvalidArgument,
                    "the input hides cells or points (vtkGhostType), which edge-index records "
-                   "cannot tell: save or draw the surface of Stabbing Contour itself")
+                   "cannot tell: save or draw the surface of Isosurface itself")
                : Status::Ok();
 }
 
@@ -93,7 +93,8 @@ Status CheckGrids(const ImagePieces& pieces)
   if (grids.size() > 1)
   {
     return { StatusCode::InvalidArgument,
-      "the images of the input are of several grids, or have other samples where they meet, so each "
+      "the images of the input are of several grids, or have other samples where they meet, so "
+      "each "
       "has an isosurface of its own; extract one of them (Extract Block)" };
   }
   return grids.empty() ? Status(StatusCode::InvalidArgument, "the input has no samples")
@@ -106,7 +107,7 @@ Status Explain(const Status& error)
   return error.GetCode() == StatusCode::InvalidArgument
     ? Status(error.GetCode(),
         error.GetMessage() +
-          "; Stabbing Contour must be straight behind the reader of a blocked volume, or have "
+          "; Isosurface must be straight behind the reader of a blocked volume, or have "
           "images that meet")
     : error;
 }

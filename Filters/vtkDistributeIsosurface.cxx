@@ -85,30 +85,30 @@ Status CheckContour(vtkStabbingContour* contour)
   if (!contour)
   {
     return refuse(
-      "Only the unchanged output of Stabbing Contour can be distributed, which knows "
+      "Only the unchanged output of Isosurface can be distributed, which knows "
       "where the surface crosses the grid of its volume: put Distribute Isosurface right "
       "behind it, and other filters behind Distribute Isosurface.");
   }
   if (contour->GetCloseBoundary())
   {
     return refuse("The caps that CloseBoundary adds cannot be distributed: turn CloseBoundary of "
-                  "Stabbing Contour off.");
+                  "Isosurface off.");
   }
   if (contour->GetSkipNotANumber())
   {
     return refuse("The holes that SkipNotANumber leaves cannot be distributed: turn SkipNotANumber "
-                  "of Stabbing Contour off.");
+                  "of Isosurface off.");
   }
   if (contour->GetDropDegenerateTriangles())
   {
     return refuse("A surface is always distributed with all its triangles: turn "
-                  "DropDegenerateTriangles of Stabbing Contour off, or put Clean behind Distribute "
+                  "DropDegenerateTriangles of Isosurface off, or put Clean behind Distribute "
                   "Isosurface.");
   }
   if (contour->FindsIslands())
   {
     return refuse("A surface is distributed block by block, without knowing its islands: set "
-                  "MinimumIslandSize and MaximumIslands of Stabbing Contour to 0, and turn its "
+                  "MinimumIslandSize and MaximumIslands of Isosurface to 0, and turn its "
                   "UseIslandPoint and ComputeIslandIds off.");
   }
   return Status::Ok();

@@ -64,7 +64,7 @@ Status CheckContour(vtkStabbingContour* contour)
   { return Status(StatusCode::InvalidArgument, reason); };
   if (!contour)
   {
-    return refuse("Only the unchanged output of Stabbing Contour can be written to an edge-index "
+    return refuse("Only the unchanged output of Isosurface can be written to an edge-index "
                   "file, which holds where the surface crosses the grid of its volume: save that "
                   "output, before it is clipped or filtered (its UseRegion limits it to a box), or "
                   "save this surface in another format, such as .vtp.");
@@ -72,28 +72,28 @@ Status CheckContour(vtkStabbingContour* contour)
   if (contour->GetCloseBoundary())
   {
     return refuse("An edge-index file cannot hold the caps that CloseBoundary adds: turn "
-                  "CloseBoundary of Stabbing Contour off.");
+                  "CloseBoundary of Isosurface off.");
   }
   if (contour->GetDropDegenerateTriangles())
   {
     return refuse("An edge-index file always holds all triangles: turn DropDegenerateTriangles of "
-                  "Stabbing Contour off.");
+                  "Isosurface off.");
   }
   if (contour->GetSkipNotANumber())
   {
     return refuse("An edge-index file cannot hold the holes that SkipNotANumber leaves: turn "
-                  "SkipNotANumber of Stabbing Contour off.");
+                  "SkipNotANumber of Isosurface off.");
   }
   if (contour->FindsIslands())
   {
     return refuse("An edge-index file holds a surface with all its islands: set MinimumIslandSize "
-                  "and MaximumIslands of Stabbing Contour to 0, and turn its UseIslandPoint and "
+                  "and MaximumIslands of Isosurface to 0, and turn its UseIslandPoint and "
                   "ComputeIslandIds off; or save this surface in another format, such as .vtp.");
   }
   if (!contour->GetGenerateTriangles())
   {
     return refuse("An edge-index file holds triangles, not polygons: turn GenerateTriangles of "
-                  "Stabbing Contour on.");
+                  "Isosurface on.");
   }
   return Status::Ok();
 }

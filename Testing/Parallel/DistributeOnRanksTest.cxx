@@ -466,10 +466,10 @@ TEST(DistributeErrors, WhatCannotBeDistributedIsRefusedByEveryRank)
     EXPECT_EQ(distributed.Filter->GetOutput()->GetNumberOfPoints(), 0);
   };
   distributed.Contour->CloseBoundaryOn();
-  expectRefusal("turn CloseBoundary of Stabbing Contour off");
+  expectRefusal("turn CloseBoundary of Isosurface off");
   distributed.Contour->CloseBoundaryOff();
   distributed.Contour->DropDegenerateTrianglesOn();
-  expectRefusal("turn DropDegenerateTriangles of Stabbing Contour off");
+  expectRefusal("turn DropDegenerateTriangles of Isosurface off");
   distributed.Contour->DropDegenerateTrianglesOff();
 
   vtkNew<vtkPlane> plane;
