@@ -279,7 +279,7 @@ int vtkStabbingContour::RequestUpdateExtent(
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   this->Work->ReleaseImages();
   // RequestData is not called behind a failure.
-  this->IslandSummary = isosurface::SummariseIslands(nullptr);
+  this->IslandSummary.clear();
   this->AskInput(input[0]->GetInformationObject(0), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()),
     outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
   return 1;
