@@ -96,6 +96,7 @@ class SourceCase(VolumeCase):
         remove_volume(self.path("o.bvol"))
         code, _, err = self.run_tool(source, "o.bvol", *arguments)
         self.assertEqual(code, 0, err)
+        err = "".join(line for line in err.splitlines(True) if line.startswith("blockvolume:"))  # no progress
         info = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])
         return info["grid"], {array["name"]: array.get("unit", "") for array in info["arrays"]}, err
 
