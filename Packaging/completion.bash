@@ -14,7 +14,7 @@ _scalable_isosurface() {
     --type) COMPREPLY=($(compgen -W 'int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64' -- "$cur")) ;;
     --compression) COMPREPLY=($(compgen -W 'none lz4 zstd' -- "$cur")) ;;
     --distribution) COMPREPLY=($(compgen -W 'greedy balanced random slab' -- "$cur")) ;;
-    --unit) COMPREPLY=($(compgen -W 'm cm mm um nm' -- "$cur")) ;;
+    --unit) COMPREPLY=($(compgen -W 'm cm mm um nm angstrom inch' -- "$cur")) ;;
     --block-size) COMPREPLY=($(compgen -W '16 32 64' -- "$cur")) ;;
     *)
       if [[ $cur == -* && $1 == *edgeindex && $cword -gt 1 ]]; then

@@ -228,7 +228,9 @@ Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options,
   settings.Threads = threads;
   settings.IsPreview = options.IsPreview;
   settings.IsCompressed = options.IsCompressed;
-  settings.UnitInMetres = options.UnitInMetres;
+  const LengthUnit unit =
+    options.Unit == LengthUnit::Unknown ? file.GetHeader().Geometry.Unit : options.Unit;
+  settings.UnitInMetres = GetMeters(unit == LengthUnit::Unknown ? LengthUnit::Millimeter : unit);
   settings.Isovalues = isovalues;
   MeshWriteJob job(file, settings);
   ProgressDisplay display(file.GetPath(), static_cast<double>(file.GetSize()), !options.IsQuiet);

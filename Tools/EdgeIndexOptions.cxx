@@ -3,8 +3,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <map>
-
 namespace isosurface
 {
 namespace
@@ -65,12 +63,10 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
     "--compress", options.IsCompressed, "Of a .glb: by meshoptimizer, with normals of 8 bits");
   decode->add_option(
     "--isovalue", options.Isovalue, "Only the surface of this isovalue of the file");
-  std::string unit = "mm";
-  decode
-    ->add_option("--unit", unit,
-      "Of a .glb, which is in metres: the unit of the volume's spacing, m, cm, mm, um or nm")
-    ->check(CLI::IsMember({ "m", "cm", "mm", "um", "nm" }))
-    ->capture_default_str();
+  std::string unit;
+  decode->add_option("--unit", unit,
+    "Of a .glb, which is in metres: the unit of the points, as m, mm or um, instead of that of the "
+    "file; mm if neither tells");
   decode
     ->add_option(
       "--memory", options.MemoryMebibytes, "MiB to use, but for .vtp; a row of blocks must fit")
@@ -100,8 +96,12 @@ Result<EdgeIndexOptions> EdgeIndexOptions::Parse(int argc, const char* const* ar
   {
     return Status(StatusCode::InvalidArgument, std::string(error.what()) + " (--help tells more)");
   }
-  options.UnitInMetres = std::map<std::string, double>{ { "m", 1 }, { "cm", 1e-2 }, { "mm", 1e-3 },
-    { "um", 1e-6 }, { "nm", 1e-9 } }[unit];
+  options.Unit = FindLengthUnit(unit);
+  if (options.Unit == LengthUnit::Unknown && !unit.empty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      "--unit: \"" + unit + "\" is no unit of length, as m, mm, um or inch");
+  }
   options.NumberOfTriangles = static_cast<std::uint64_t>(triangles);
   options.What = info->parsed() ? Command::Info
     : verify->parsed()          ? Command::Verify

@@ -3,6 +3,7 @@
 #define isosurface_EdgeIndexOptions_h
 
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/LengthUnit.h"
 
 #include <cstdint>
 #include <optional>
@@ -29,10 +30,10 @@ struct EdgeIndexOptions
   bool IsQuiet = false;
   bool IsJson = false;
   bool IsPreview = false;
-  bool IsCompressed = false;           ///< .glb
-  std::optional<double> Isovalue;      ///< only this one
-  double UnitInMetres = 0.001;         ///< .glb: of the points
-  std::uint64_t NumberOfTriangles = 0; ///< about so many; 0: all
+  bool IsCompressed = false;             ///< .glb
+  std::optional<double> Isovalue;        ///< only this one
+  LengthUnit Unit = LengthUnit::Unknown; ///< .glb: of the points; unknown: as the file says
+  std::uint64_t NumberOfTriangles = 0;   ///< about so many; 0: all
   std::uint64_t MemoryMebibytes = 1024;
   int Threads = 0; ///< 0: all cores
 

@@ -559,8 +559,13 @@ class ExportsAreForOtherPrograms(unittest.TestCase):
 
     def test_glb_is_in_metres_with_y_up(self):
         from vtkmodules.vtkIOGeometry import vtkGLTFReader
-        for options, unit in (([], 1e-3), (["--unit", "m"], 1), (["--unit", "um"], 1e-6)):
-            self.assertEqual(run("decode", golden(NOT_NUMBERS), "m.glb", *options)[0], 0)
+        told = json.loads(run("info", golden("unit.eix"), "--json")[1])["grid"]["unit"]
+        units = {"m": 1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+        for name, options, unit in (
+                (NOT_NUMBERS, [], 1e-3), (NOT_NUMBERS, ["--unit", "m"], 1), (NOT_NUMBERS, ["--unit", "um"], 1e-6),
+                ("unit.eix", ["--isovalue", "400"], units[told]),
+                ("unit.eix", ["--isovalue", "400", "--unit", "cm"], 1e-2)):
+            self.assertEqual(run("decode", golden(name), "m.glb", *options)[0], 0)
             glb = Glb(scratch("m.glb"))
             points = [point for one in glb.triangles() for point in one]
             expected = []
@@ -611,6 +616,7 @@ class ErrorsAreOneLine(unittest.TestCase):
         self.assertIn("--triangles", self.check(
             "decode", golden("bounded.eix"), "out.vtp", "--triangles", "9"))
         self.assertIn("--compress", self.check("decode", golden("bounded.eix"), "out.ply", "--compress"))
+        self.assertIn("--unit", self.check("decode", golden("bounded.eix"), "out.glb", "--unit", "ell"))
         self.assertIn("nowhere", self.check("decode", golden("bounded.eix"), "nowhere/out.ply", "--quiet"))
         self.check()
         self.check("paint", golden("bounded.eix"))
