@@ -2,7 +2,7 @@
 find_package(VTK 9.1 QUIET
   COMPONENTS
     CommonCore CommonDataModel CommonExecutionModel CommonMath CommonMisc CommonTransforms FiltersCore
-    FiltersGeneral FiltersParallel FiltersSources IOCore IOGeometry IOImage IOLegacy IOPLY IOXML
+    FiltersGeneral FiltersModeling FiltersParallel FiltersSources IOCore IOGeometry IOImage IOLegacy IOPLY IOXML
     ImagingCore ParallelCore RenderingCore
   OPTIONAL_COMPONENTS
     ParallelMPI RenderingOpenGL2 TestingCore WrappingPythonCore Python opengl glad glew)

@@ -4,7 +4,7 @@
 #include "ContourBlocks.h"
 #include "ContouredArray.h"
 #include "ErrorReport.h"
-#include "NormalRounding.h"
+#include "MatchVTK.h"
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkStabbingContour.h"
 
@@ -90,7 +90,7 @@ ContourRequest ContourExecution::MakeRequest()
     request.Isovalues.push_back(this->Contour.GetValue(static_cast<int>(n)));
   }
   request.Normals = this->Contour.GetComputeNormals() != 0;
-  isosurface::MatchNormalsOfVTK(request);
+  isosurface::MatchVTK(request);
   request.GlobalIds = true;
   request.Polygons = this->Contour.GetGenerateTriangles() == 0;
   request.Offsets = true;

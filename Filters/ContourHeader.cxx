@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ContourHeader.h"
 
-#include "NormalRounding.h"
+#include "MatchVTK.h"
 
 #include "Ground/Base/Coding.h"
 
@@ -71,7 +71,7 @@ std::vector<InterpolatedArray> ReadArrays(const Message& message)
 void MatchNormals(EdgeIndexHeader& header)
 {
   ContourRequest request;
-  MatchNormalsOfVTK(request);
+  MatchVTK(request);
   for (EdgeIndexAttribute& attribute : header.Attributes)
   {
     attribute.NormalsRoundedOnce = request.NormalsRoundedOnce;

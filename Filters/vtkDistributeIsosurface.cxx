@@ -21,7 +21,7 @@
 #include "CostFieldData.h"
 #include "ErrorReport.h"
 #include "ImageSamples.h"
-#include "NormalRounding.h"
+#include "MatchVTK.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "SurfacePolyData.h"
 
@@ -121,7 +121,7 @@ isosurface::ContourRequest MakeRequest(
   isosurface::ContourRequest request;
   request.Isovalues = header.Isovalues;
   request.Normals = blocks.Normals;
-  isosurface::MatchNormalsOfVTK(request);
+  isosurface::MatchVTK(request);
   request.GlobalIds = true;
   request.Offsets = true;
   request.Polygons = polygons;

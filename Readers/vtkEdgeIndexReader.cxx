@@ -19,7 +19,7 @@
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/WithinMemory.h"
 #include "ImageSamples.h"
-#include "NormalRounding.h"
+#include "MatchVTK.h"
 #include "Surface/Contour/TriangleNormals.h"
 #include "SurfacePolyData.h"
 
@@ -261,7 +261,7 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
   isosurface::ContourRequest request;
   request.GlobalIds = true;
   request.Offsets = true;
-  isosurface::MatchNormalsOfVTK(request);
+  isosurface::MatchVTK(request);
   std::vector<isosurface::InterpolatedArray> arrays;
   for (const isosurface::EdgeIndexAttribute& attribute : header.Attributes)
   {

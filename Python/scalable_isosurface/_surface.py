@@ -102,6 +102,8 @@ class Surface:
     def to_vtk(self) -> Any:
         """The surface as a vtkPolyData, which shares the memory of the arrays.
 
+        Before VTK 9.4, of which some filters fail on cells with ids of 32 bits, int32 triangles are copied.
+
         Raises
         ------
         ImportError
@@ -109,7 +111,7 @@ class Surface:
         """
         try:
             from vtkmodules.util.numpy_support import numpy_to_vtk
-            from vtkmodules.vtkCommonCore import vtkPoints
+            from vtkmodules.vtkCommonCore import vtkPoints, vtkVersion
             from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
         except ImportError as error:
             raise ImportError(f"Surface.to_vtk() needs the Python modules of VTK: {error}") from error
@@ -117,6 +119,9 @@ class Surface:
         points.SetData(numpy_to_vtk(self.points))
         cells = vtkCellArray()
         corners = self.triangles.reshape(-1)
+        if (vtkVersion.GetVTKMajorVersion(), vtkVersion.GetVTKMinorVersion()) < (9, 4):
+            # Some filters of these versions fail on cells with ids of 32 bits.
+            corners = corners.astype(numpy.int64, copy=False)
         cells.SetData(3, numpy_to_vtk(corners))
         # The cells may have another array of this memory (VTK 9.2), which does not keep it alive.
         cells.GetConnectivityArray()._corners = corners

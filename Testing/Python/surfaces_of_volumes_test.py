@@ -11,6 +11,7 @@ import warnings
 
 import numpy
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkVersion
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkRectilinearGrid
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
 
@@ -27,6 +28,7 @@ try:
 except ImportError:
     pyvista = None
 
+VTK_VERSION = vtkVersion.GetVTKMajorVersion(), vtkVersion.GetVTKMinorVersion()
 SPACING = (0.5, 1, 2)
 ORIGIN = (3, -4, 5)
 
@@ -111,7 +113,9 @@ class BesideVTK(unittest.TestCase):
         points, triangles, normals = get_arrays(data)
         for ours, theirs in ((surface.points, points), (surface.triangles, triangles), (surface.normals, normals)):
             numpy.testing.assert_array_equal(ours, theirs)
-            self.assertTrue(numpy.shares_memory(ours, theirs))
+            # Filters before VTK 9.4 need ids of 64 bits.
+            is_copied = ours is surface.triangles and VTK_VERSION < (9, 4)
+            self.assertEqual(numpy.shares_memory(ours, theirs), not is_copied)
         isovalues = vtk_to_numpy(data.GetPointData().GetArray("isovalue"))
         self.assertEqual(isovalues.tolist(), [30.5] * surface.point_offsets[1] + [60] * len(surface.part(1).points))
         del surface

@@ -10,7 +10,7 @@ namespace isosurface
 double EstimateBytesPerTriangle(const ContourRequest& request)
 {
   constexpr double pointsPerTriangle = 0.5;
-  constexpr double cell = (3 + 1) * sizeof(std::int32_t);
+  const double cell = (3 + 1) * (request.WideIndices ? sizeof(std::int64_t) : sizeof(std::int32_t));
   constexpr double drawn = 3 * sizeof(std::int32_t) + pointsPerTriangle * 6 * sizeof(float);
   // Position, global id, scalar, and the index that joins the pieces.
   double point = 3 * sizeof(float) + sizeof(std::int64_t) + sizeof(float) + sizeof(std::uint32_t);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "NormalRounding.h"
+#include "MatchVTK.h"
 
 #include "vtkFloatArray.h"
 #include "vtkImageTransform.h"
@@ -56,10 +56,11 @@ bool AskVTK()
 
 } // namespace
 
-void MatchNormalsOfVTK(ContourRequest& request)
+void MatchVTK(ContourRequest& request)
 {
   static const bool once = AskVTK();
   request.NormalsRoundedOnce = once;
+  request.WideIndices = VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 4, 0);
   request.NormalsByDirection = VTK_VERSION_NUMBER < VTK_VERSION_CHECK(9, 2, 0);
 }
 
