@@ -36,6 +36,15 @@ void Adopt(ArrayT* array, Buffer<T>& buffer)
   AdoptMemory(array, buffer.Release(), size);
 }
 
+template <typename ArrayT, typename T>
+void SetCoordinates(Buffer<T>& buffer, vtkPoints* points)
+{
+  vtkNew<ArrayT> coordinates;
+  coordinates->SetNumberOfComponents(3);
+  Adopt(coordinates.Get(), buffer);
+  points->SetData(coordinates);
+}
+
 void FillCells(Surface& surface, vtkPolyData* output)
 {
   vtkNew<vtkCellArray> cells;
@@ -109,12 +118,16 @@ bool InterpolatedArray::operator==(const InterpolatedArray& other) const
 void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arrays,
   const std::string& scalarsName, vtkPolyData* output)
 {
-  vtkNew<vtkFloatArray> coordinates;
-  coordinates->SetNumberOfComponents(3);
   const bool normals = !surface.Normals.IsEmpty();
-  Adopt(coordinates.Get(), surface.Points);
   vtkNew<vtkPoints> points;
-  points->SetData(coordinates);
+  if (surface.HasDoublePoints)
+  {
+    SetCoordinates<vtkDoubleArray>(surface.DoublePoints, points);
+  }
+  else
+  {
+    SetCoordinates<vtkFloatArray>(surface.Points, points);
+  }
   output->SetPoints(points);
   if (surface.NumberOfCells > 0)
   {

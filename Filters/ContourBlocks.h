@@ -9,6 +9,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
 #include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/PointPrecision.h"
 #include "Ground/Volume/ValueKey.h"
 #include "SurfacePolyData.h"
 
@@ -41,6 +42,7 @@ struct ContourBlocks
   int Level = 0;      ///< of a blocked volume
   int BlockSize = 64; ///< cells along the side of a block, at the level; a power of two
   std::vector<double> Isovalues;
+  PointPrecision Precision = PointPrecision::Default;
   /// Whether this rank has samples. If not, it does not know Time, ArrayName and Arrays.
   bool HasSamples = false;
   std::string ArrayName;      ///< of the contoured array

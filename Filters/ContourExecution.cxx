@@ -51,6 +51,13 @@ Status CheckIslands(const IslandRequest& request)
     ? Status(StatusCode::InvalidArgument, "IslandPoint is not a place")
     : Status::Ok();
 }
+
+PointPrecision ToPointPrecision(int precision)
+{
+  return precision == vtkAlgorithm::SINGLE_PRECISION ? PointPrecision::Single
+    : precision == vtkAlgorithm::DOUBLE_PRECISION    ? PointPrecision::Double
+                                                     : PointPrecision::Default;
+}
 }
 
 ContourExecution::ContourExecution(vtkStabbingContour& contour)
@@ -91,6 +98,7 @@ ContourRequest ContourExecution::MakeRequest()
   }
   request.Normals = this->Contour.GetComputeNormals() != 0;
   isosurface::MatchVTK(request);
+  request.Precision = ToPointPrecision(this->Contour.GetOutputPointsPrecision());
   request.GlobalIds = true;
   request.Polygons = this->Contour.GetGenerateTriangles() == 0;
   request.Offsets = true;
@@ -240,6 +248,7 @@ std::uint64_t ContourExecution::ComputeFingerprint(
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetLevel()));
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
   fingerprint.AddReal(this->Contour.GetTimeBudget());
+  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetOutputPointsPrecision()));
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetIslandSize()));
   fingerprint.AddReal(this->Contour.GetMinimumIslandSize());
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumIslands()));
@@ -459,6 +468,7 @@ Status ContourExecution::CollectBlocks(
 {
   ControllerCommunicator ranks = this->GetRanks();
   blocks.Isovalues = this->MakeRequest().Isovalues;
+  blocks.Precision = this->MakeRequest().Precision;
   // The input may be executed by all ranks together.
   const bool hasInput = this->Contour.GetNumberOfInputConnections(0) > 0;
   ISOSURFACE_RETURN_IF_ERROR(

@@ -40,6 +40,29 @@ SurfaceBlocks DescribeBlocks(const ImagePieces& pieces, const ContourRequest& re
     : SurfaceBlocks();
 }
 
+// The surfaces of all grids, on all ranks, have points of one type, at all levels.
+PointPrecision ChoosePrecision(const ImagePieces& pieces, PointPrecision wanted)
+{
+  for (std::size_t grid = 0; grid < pieces.Grids.size(); ++grid)
+  {
+    const auto& lines = pieces.Lines[grid];
+    if (wanted == PointPrecision::Default &&
+      NeedsDoublePoints(pieces.Grids[grid], lines ? &*lines : nullptr))
+    {
+      return PointPrecision::Double;
+    }
+  }
+  return wanted == PointPrecision::Default ? PointPrecision::Single : wanted;
+}
+
+// Those of all pieces of this rank, which may have none.
+Surface JoinSurfaces(const ImageContour::Query& query, std::vector<Surface>& surfaces)
+{
+  Surface joined = surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
+  joined.HasDoublePoints = query.Request.Precision == PointPrecision::Double;
+  return joined;
+}
+
 } // namespace
 
 Result<ImageContour::Entry> ImageContour::TakeEntry(
@@ -90,6 +113,7 @@ Result<ImageContour::Query> ImageContour::Query::Make(
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotContoured, find));
+  query.Request.Precision = ChoosePrecision(query.Pieces, request.Precision);
   query.Request.Attributes.clear();
   for (const InterpolatedArray& array : query.Arrays)
   {
@@ -270,8 +294,7 @@ Status ImageContour::ExtractJoined(
     outcome.Arrays = query.Arrays;
     outcome.Blocks = DescribeBlocks(query.Pieces, query.Request);
     outcome.Cost.Reading.ActiveBlocks += blocks;
-    outcome.Extracted =
-      surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
+    outcome.Extracted = JoinSurfaces(query, surfaces);
     return Status::Ok();
   };
   return Attempt(NotContoured, merge);
@@ -315,7 +338,7 @@ Status ImageContour::ExtractPrepared(
     surfaces.push_back(std::move(*extracted));
   }
   this->Entries = std::move(prepared.Entries);
-  outcome.Extracted = surfaces.size() == 1 ? std::move(surfaces.front()) : MergeSurfaces(surfaces);
+  outcome.Extracted = JoinSurfaces(query, surfaces);
   return Status::Ok();
 }
 

@@ -122,6 +122,7 @@ isosurface::ContourRequest MakeRequest(
   request.Isovalues = header.Isovalues;
   request.Normals = blocks.Normals;
   isosurface::MatchVTK(request);
+  request.Precision = blocks.Precision;
   request.GlobalIds = true;
   request.Offsets = true;
   request.Polygons = polygons;

@@ -84,6 +84,7 @@ void FillOutput(vtkStabbingContour& contour, int rank, int threads,
 vtkStabbingContour::vtkStabbingContour()
   : Component(0)
   , ComputeNormals(1)
+  , OutputPointsPrecision(DEFAULT_PRECISION)
   , ComputeScalars(1)
   , GenerateTriangles(1)
   , Level(0)
@@ -426,6 +427,7 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
   os << indent << "Component: " << this->Component << "\n";
   os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
+  os << indent << "OutputPointsPrecision: " << this->OutputPointsPrecision << "\n";
   os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
   os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
   os << indent << "Level: " << this->Level << "\n";

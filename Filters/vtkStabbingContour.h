@@ -95,6 +95,16 @@ public:
 
   ///@{
   /**
+   * The type of the points, as in vtkContourFilter: SINGLE_PRECISION (float), DOUBLE_PRECISION, or
+   * DEFAULT_PRECISION, the default: double where float has fewer than 16 places between neighbouring
+   * vertices of the grid (of any grid of the input), else float.
+   */
+  vtkSetClampMacro(OutputPointsPrecision, int, SINGLE_PRECISION, DEFAULT_PRECISION);
+  vtkGetMacro(OutputPointsPrecision, int);
+  ///@}
+
+  ///@{
+  /**
    * Whether points carry their isovalue. Default on.
    */
   vtkSetMacro(ComputeScalars, vtkTypeBool);
@@ -422,6 +432,7 @@ private:
   vtkNew<vtkContourValues> ContourValues;
   int Component;
   vtkTypeBool ComputeNormals;
+  int OutputPointsPrecision;
   vtkTypeBool ComputeScalars;
   vtkTypeBool GenerateTriangles;
   int Level;

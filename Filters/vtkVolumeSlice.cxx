@@ -28,6 +28,8 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Ground/Volume/PointPrecision.h"
+#include "ImageSamples.h"
 #include "Storage/Sampling/PlaneLattice.h"
 #include "Storage/Sampling/PointSampling.h"
 #include "Storage/Sampling/SampledLines.h"
@@ -105,6 +107,21 @@ void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
   scalars->GetTuples(numbers, isovalues);
   sampled->GetPointData()->SetScalars(isovalues);
   lines->ShallowCopy(sampled);
+}
+
+// Moves lines in structured coordinates to where the image is, with float64 points.
+void PlaceInWorld(vtkImageData* image, vtkPolyData* lines)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(lines->GetNumberOfPoints());
+  for (vtkIdType point = 0; point < lines->GetNumberOfPoints(); ++point)
+  {
+    double place[3];
+    image->TransformContinuousIndexToPhysicalPoint(lines->GetPoint(point), place);
+    points->SetPoint(point, place);
+  }
+  lines->SetPoints(points);
 }
 
 } // namespace
@@ -324,6 +341,14 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   vtkNew<vtkImageData> scalars;
   scalars->CopyStructure(image);
   scalars->GetPointData()->SetScalars(array);
+  const isosurface::GridGeometry grid = isosurface::MakeGridGeometry(image, image->GetExtent());
+  const bool areDouble = isosurface::NeedsDoublePoints(grid, nullptr);
+  if (areDouble)
+  {
+    scalars->SetOrigin(0, 0, 0);
+    scalars->SetSpacing(1, 1, 1);
+    scalars->SetDirectionMatrix(1, 0, 0, 0, 1, 0, 0, 0, 1);
+  }
   vtkNew<vtkFlyingEdges2D> contour;
   contour->SetInputData(scalars);
   contour->SetNumberOfContours(static_cast<int>(values->GetNumberOfContours()));
@@ -333,6 +358,10 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   }
   contour->Update();
   isolines->ShallowCopy(contour->GetOutput());
+  if (areDouble)
+  {
+    PlaceInWorld(image, isolines);
+  }
   RemoveLinesWithoutSamples(image, isolines);
 }
 

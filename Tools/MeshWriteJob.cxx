@@ -108,6 +108,7 @@ Status MeshWriteJob::WritePiece(
   ContourRequest request;
   request.GlobalIds = true;
   request.Normals = this->HasNormals;
+  request.Precision = PointPrecision::Single;
   auto surface = this->File.Read(selection, request, this->Chosen.Threads, progress);
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
   this->NumberOfDroppedTriangles += KeepFiniteTriangles(this->Chosen.Threads, *surface);

@@ -236,12 +236,13 @@ py::array_t<std::int64_t> MakeActiveBlocks(VolumeFile& file, std::size_t array, 
 py::dict MakeIsosurface(VolumeFile& file, std::size_t array, int component, std::size_t timeStep,
   int level, const std::vector<double>& isovalues,
   const std::optional<std::array<double, 6>>& bounds, bool normals,
-  const std::vector<std::size_t>& attributes, int threads)
+  const std::vector<std::size_t>& attributes, int precision, int threads)
 {
   SurfaceRequest request;
   request.Isovalues = isovalues;
   request.Bounds = bounds;
   request.Normals = normals;
+  request.Precision = static_cast<PointPrecision>(precision);
   request.Attributes = attributes;
   request.Threads = CountThreads(threads);
   std::string warning;
@@ -385,7 +386,7 @@ PYBIND11_MODULE(_core, module)
     .def("active_blocks", &MakeActiveBlocks, "array"_a, "component"_a, "step"_a, "level"_a,
       "isovalues"_a, "bounds"_a)
     .def("isosurface", &MakeIsosurface, "array"_a, "component"_a, "step"_a, "level"_a,
-      "isovalues"_a, "bounds"_a, "normals"_a, "attributes"_a, "threads"_a);
+      "isovalues"_a, "bounds"_a, "normals"_a, "attributes"_a, "precision"_a, "threads"_a);
 
   py::class_<SurfaceFile, std::shared_ptr<SurfaceFile>>(module, "SurfaceFile")
     .def_property_readonly("path", &SurfaceFile::GetPath)

@@ -38,7 +38,9 @@ pybind11::dict MakeSurfaceArrays(
   {
     arrays["normals"] = AdoptBuffer(surface.Normals, float32, { points, 3 });
   }
-  arrays["points"] = AdoptBuffer(surface.Points, float32, { points, 3 });
+  arrays["points"] = surface.HasDoublePoints
+    ? AdoptBuffer(surface.DoublePoints, pybind11::dtype::of<double>(), { points, 3 })
+    : AdoptBuffer(surface.Points, float32, { points, 3 });
   IndexArray& corners = surface.Connectivity;
   arrays["triangles"] = corners.Is64Bit
     ? AdoptBuffer(corners.Values64, pybind11::dtype::of<std::int64_t>(), { triangles, 3 })

@@ -65,6 +65,7 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   task.Request.Isovalues = request.Isovalues;
   task.Request.Normals = request.Normals;
   task.Request.NormalsRoundedOnce = true;
+  task.Request.Precision = request.Precision;
   task.Threads = request.Threads;
   task.Advance = progress;
   for (const std::size_t array : request.Attributes)

@@ -32,6 +32,7 @@ struct SurfaceRequest
   std::vector<double> Isovalues;
   std::optional<std::array<double, 6>> Bounds; ///< Region::FromBounds; nothing: everywhere
   bool Normals = false;
+  PointPrecision Precision = PointPrecision::Default;
   std::vector<std::size_t> Attributes; ///< arrays to interpolate
   int Threads = 1;
 };

@@ -55,6 +55,7 @@ class VolumeFile:
         bounds: Optional[Sequence[float]],
         normals: bool,
         attributes: Sequence[int],
+        precision: int,
         threads: int,
     ) -> Dict[str, Any]: ...
 

@@ -15,10 +15,12 @@ class Surface:
 
     Attributes
     ----------
-    points : ndarray of float32, shape (points, 3)
-        x, y, z in the world, as in VTK.
+    points : ndarray of float32 or float64, shape (points, 3)
+        x, y, z in the world, as in VTK. float64 where float32 has fewer than 16 places between neighbouring
+        samples, as at map coordinates.
     triangles : ndarray of int32 or int64, shape (triangles, 3)
-        Numbers of points, counter-clockwise seen from low values. int64 if int32 does not suffice.
+        Numbers of points, counter-clockwise seen from low values, in grids of any direction. int64 if int32
+        does not suffice.
     normals : ndarray of float32, shape (points, 3), or None
         Of unit length, from high to low values; (0, 0, 0) where there is no gradient. None if they were not
         asked for.

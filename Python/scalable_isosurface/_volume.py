@@ -30,6 +30,16 @@ class Spectrum(NamedTuple):
     volume: Optional[numpy.ndarray]  #: where samples are at least the isovalue
 
 
+def _find_precision(dtype: Any) -> int:
+    """The number of the precision of points in C++."""
+    if dtype is None:
+        return 0
+    names = ("float32", "float64")
+    if numpy.dtype(dtype).name not in names:
+        raise ValueError(f"dtype of points is float32 or float64, and not {dtype!r}")
+    return 1 + names.index(numpy.dtype(dtype).name)
+
+
 class _Opened:
     """A file and how it was opened; shared by the volumes that were made of one another."""
 
@@ -308,8 +318,12 @@ class Volume:
         normals: bool = True,
         component: Optional[int] = None,
         attributes: Sequence[str] = (),
+        dtype: Any = None,
     ) -> Surface:
         """Extracts isosurfaces: triangles and points are those of vtkFlyingEdges3D.
+
+        Normals point to lower values, and corners run counter-clockwise seen from there, whatever the
+        direction of the grid. (vtkFlyingEdges3D turns corners in left-handed grids.)
 
         Only blocks that the surface crosses are read. Of a file of another format without an index, the time
         step is read into memory first, in blocks, which stay there until another step is, or the volume is
@@ -330,11 +344,16 @@ class Volume:
             Which component to contour; if it is not given, the magnitude of several.
         attributes : sequence of str
             Other arrays, to be interpolated at the points.
+        dtype : float32 or float64, optional
+            Of the points; if it is not given, float64 where float32 has fewer than 16 places between
+            neighbouring samples, as at map coordinates, else float32.
 
         Raises
         ------
         IndexError, KeyError
             There is no such level, component or array.
+        ValueError
+            Points cannot have that dtype.
         OSError
             The file cannot be read, or is damaged; the message names it.
         MemoryError
@@ -360,6 +379,7 @@ class Volume:
                 _check_region(region),
                 normals,
                 [self._find_array(name) for name in attributes],
+                _find_precision(dtype),
                 self._opened.threads,
             )
         )

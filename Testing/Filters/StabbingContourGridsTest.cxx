@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "TestImages.h"
 
+#include "vtkCellArray.h"
+#include "vtkCellArrayIterator.h"
+#include "vtkContourFilter.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkImageData.h"
+#include "vtkMath.h"
 #include "vtkMatrix3x3.h"
 #include "vtkNew.h"
+#include "vtkPolyData.h"
 
 #include <cmath>
 #include <string>
@@ -88,11 +93,37 @@ void ExpectEqualInFrame(const Frame& frame)
     vtkNew<vtkMatrix3x3> direction;
     direction->DeepCopy(frame.Direction.data());
     image->SetDirectionMatrix(direction);
-    const EdgeSurface expected = ContourByFlyingEdges(image, 8.5);
+    EdgeSurface expected = ContourByFlyingEdges(image, 8.5);
+    EdgeSurface surface = ContourToEdges(image, 8.5);
+    if (direction->Determinant() < 0)
+    {
+      // Sums that are 0 stay positive when all terms change their signs.
+      expected.DropSignsOfZeros();
+      surface.DropSignsOfZeros();
+    }
     EXPECT_FALSE(expected.Triangles.empty());
-    EXPECT_TRUE(AreEqual(ContourToEdges(image, 8.5), expected))
-      << frame.Name << ", " << ToString(extent);
+    EXPECT_TRUE(AreEqual(surface, expected)) << frame.Name << ", " << ToString(extent);
   }
+}
+
+// What a surface encloses, by the order of corners.
+double ComputeVolume(vtkPolyData* surface)
+{
+  double sixfold = 0;
+  const auto cells = vtk::TakeSmartPointer(surface->GetPolys()->NewIterator());
+  for (cells->GoToFirstCell(); !cells->IsDoneWithTraversal(); cells->GoToNextCell())
+  {
+    vtkIdType size = 0;
+    const vtkIdType* points = nullptr;
+    cells->GetCurrentCell(size, points);
+    double corners[3][3];
+    for (int corner = 0; corner < 3; ++corner)
+    {
+      surface->GetPoint(points[corner], corners[corner]);
+    }
+    sixfold += vtkMath::Determinant3x3(corners[0], corners[1], corners[2]);
+  }
+  return sixfold / 6;
 }
 
 } // namespace
@@ -163,9 +194,27 @@ TEST(StabbingContourGrids, ObliqueDirectionsEqualFlyingEdges)
   ExpectEqualInFrame({ "all", { 12.3, -0.7, 55 }, { 0.9, 1.7, 0.31 }, MakeRotation() });
 }
 
-TEST(StabbingContourGrids, LeftHandedDirectionsEqualFlyingEdges)
+TEST(StabbingContourGrids, LeftHandedDirectionsEqualFlyingEdgesWithCornersTurned)
 {
   ExpectEqualInFrame({ "mirrored", { 0, 0, 0 }, { 1, 1, 1 }, MirrorFirstAxis(Identity) });
   ExpectEqualInFrame({ "rotated and mirrored", { 12.3, -0.7, 55 }, { 0.9, 1.7, 0.31 },
     MirrorFirstAxis(MakeRotation()) });
+}
+
+TEST(StabbingContourGrids, EnclosedVolumesArePositiveAsThoseOfContour)
+{
+  const auto image = MakeImage({ 0, 16, 0, 16, 0, 16 }, VTK_FLOAT,
+    [](int i, int j, int k) { return 6.3 - std::hypot(i - 8.0, j - 8.0, k - 8.0); });
+  for (const auto& direction : { Identity, MirrorFirstAxis(Identity), MakeRotation(),
+         MirrorFirstAxis(MakeRotation()), std::array<double, 9>{ 0, 1, 0, 1, 0, 0, 0, 0, 1 } })
+  {
+    image->SetDirectionMatrix(const_cast<double*>(direction.data()));
+    vtkNew<vtkContourFilter> stock;
+    stock->SetInputData(image);
+    stock->SetValue(0, 0.0);
+    stock->Update();
+    const double expected = ComputeVolume(stock->GetOutput());
+    EXPECT_GT(expected, 900);
+    EXPECT_NEAR(ComputeVolume(Contour(image, { 0.0 })), expected, 0.1);
+  }
 }

@@ -7,6 +7,7 @@
 #include "vtkFlyingEdges3D.h"
 #include "vtkIdTypeArray.h"
 #include "vtkImageData.h"
+#include "vtkMatrix3x3.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
@@ -128,6 +129,28 @@ std::vector<std::int64_t> FindEdges(vtkPolyData* middles, vtkImageData* image)
   return edges;
 }
 
+void TurnCorners(EdgeSurface& surface)
+{
+  for (EdgeSurface::Triangle& triangle : surface.Triangles)
+  {
+    std::swap(triangle[1], triangle[2]);
+  }
+  std::sort(surface.Triangles.begin(), surface.Triangles.end());
+}
+
+void ReverseNormals(EdgeSurface& surface)
+{
+  constexpr std::uint32_t sign = 0x80000000u;
+  for (EdgePoint& point : surface.Points)
+  {
+    for (std::uint32_t& bits : point.Normal)
+    {
+      bits = std::isnan(ToFloat(bits)) ? bits : bits ^ sign;
+    }
+  }
+  std::sort(surface.Points.begin(), surface.Points.end());
+}
+
 // The first item that is in `a` but not in `b`, as text.
 template <typename T>
 std::string FindExtra(const std::vector<T>& a, const std::vector<T>& b)
@@ -185,6 +208,18 @@ void EdgeSurface::DropNormals()
   std::sort(this->Points.begin(), this->Points.end());
 }
 
+void EdgeSurface::DropSignsOfZeros()
+{
+  for (EdgePoint& point : this->Points)
+  {
+    for (std::uint32_t& bits : point.Normal)
+    {
+      bits = ToFloat(bits) == 0 ? 0 : bits;
+    }
+  }
+  std::sort(this->Points.begin(), this->Points.end());
+}
+
 void EdgeSurface::ClearZeroNormals(bool isNan)
 {
   const auto hasNoDirection = [isNan](std::uint32_t bits)
@@ -234,6 +269,16 @@ EdgeSurface ContourByFlyingEdges(vtkImageData* image, double isovalue)
   const auto middles = RunFlyingEdges(copy, 0.5, false);
   EXPECT_EQ(contour->GetNumberOfPoints(), middles->GetNumberOfPoints());
   Append(contour, FindEdges(middles, copy), surface);
+  const double mirror = image->GetDirectionMatrix()->Determinant();
+  const double* spacing = image->GetSpacing();
+  if (mirror * spacing[0] * spacing[1] * spacing[2] < 0)
+  {
+    TurnCorners(surface);
+  }
+  if (mirror < 0)
+  {
+    ReverseNormals(surface);
+  }
   return surface;
 }
 

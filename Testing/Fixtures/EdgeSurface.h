@@ -49,6 +49,9 @@ struct EdgeSurface
   /// Forgets the normals, to compare points and triangles alone.
   void DropNormals();
 
+  /// Zeros in normals become positive.
+  void DropSignsOfZeros();
+
   /// A zero gradient has no direction: its normal, of zeros with any signs, becomes (0, 0, 0). On a
   /// grid that is turned, vtkFlyingEdges3D has NaN instead: `isNan` if such normals are zero, too.
   void ClearZeroNormals(bool isNan);
@@ -58,7 +61,8 @@ struct EdgeSurface
 vtkSmartPointer<vtkPolyData> RunFlyingEdges(vtkImageData* image, double isovalue, bool normals);
 
 /**
- * The surface as vtkFlyingEdges3D has it. The grid edge of each of its points is found by
+ * The surface as vtkFlyingEdges3D has it, but in a left-handed grid with the corners turned, and with
+ * normals reversed where the direction is mirrored, so that both point to low values. The grid edge of each of its points is found by
  * contouring, in the same way, a copy of the image with samples of 0 (outside) and 1 (inside) on a
  * unit grid: vtkFlyingEdges3D orders points by inside and outside alone, and those of the copy lie
  * in the middle of their edges.

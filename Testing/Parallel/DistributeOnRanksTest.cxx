@@ -369,6 +369,28 @@ TEST(DistributeParts, FollowTheContour)
   expectSame();
 }
 
+TEST(DistributeParts, OfALeftHandedGridAtMapCoordinatesAreThoseOfTheContour)
+{
+  DistributedContour distributed("Map");
+  const auto image = MakeClosedVolume({ 0, 39, 0, 39, 0, 39 }, VTK_SHORT);
+  image->SetDirectionMatrix(-1, 0, 0, 0, 1, 0, 0, 0, 1);
+  image->SetOrigin(448000, 6000000, -2000);
+  image->SetSpacing(0.05, 0.05, 0.05);
+  distributed.UseVolume(image, { 16, 3 });
+  const auto expectType = [&distributed](int type)
+  {
+    vtkPolyData* mine = distributed.Update();
+    EXPECT_EQ(mine->GetPoints()->GetDataType(), type);
+    const EdgeSurface all = GatherSurface(mine);
+    vtkPolyData* own = distributed.UpdateContour();
+    EXPECT_EQ(own->GetPoints()->GetDataType(), type);
+    EXPECT_TRUE(AreEqual(all, GatherSurface(own)));
+  };
+  expectType(VTK_DOUBLE);
+  distributed.Contour->SetOutputPointsPrecision(vtkAlgorithm::SINGLE_PRECISION);
+  expectType(VTK_FLOAT);
+}
+
 TEST(DistributeBounded, KeepsPointsWithinTheErrorAndTogether)
 {
   for (const int mode : { Distribute::BOUNDED, Distribute::SMALLEST })

@@ -17,6 +17,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkUnstructuredGrid.h"
@@ -97,6 +98,31 @@ TEST(GridsOnRanks, ImagesThatMeetWithoutGhostLayersHaveTheSurfaceOfTheWhole)
 {
   const auto whole = MakeRough();
   ExpectSurfaceOf(ContourPiece(MakeBlocks(CutImage(whole, CutSlab(0)))), whole, 8.0);
+}
+
+TEST(GridsOnRanks, LeftHandedImagesHaveTheSurfaceOfTheWhole)
+{
+  const auto whole = MakeRough();
+  whole->SetDirectionMatrix(0, -1, 0, -1, 0, 0, 0, 0, -1);
+  whole->SetSpacing(0.5, -2, -1);
+  ExpectSurfaceOfOneRank(ContourPiece(MakeBlocks(CutImage(whole, CutSlab(0)))), whole);
+}
+
+TEST(GridsOnRanks, LargeCoordinatesGiveDoublePointsOnEveryRank)
+{
+  const auto whole = MakeRough();
+  whole->SetOrigin(448000, 6000000, -2000);
+  whole->SetSpacing(0.05, 0.05, 0.05);
+  // The last rank has nothing.
+  const bool isLast = GetRank() + 1 == GetNumberOfRanks() && GetRank() > 0;
+  const auto blocks =
+    isLast ? vtkSmartPointer<vtkMultiBlockDataSet>::New() : MakeBlocks(CutImage(whole, CutSlab(0)));
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetController(GetRanks());
+  contour->SetInputDataObject(blocks);
+  contour->SetValue(0, 8.0);
+  contour->Update();
+  EXPECT_EQ(contour->GetOutput()->GetPoints()->GetDataType(), VTK_DOUBLE);
 }
 
 TEST(GridsOnRanks, RectilinearGridsThatMeetHaveTheSurfaceOfTheWhole)

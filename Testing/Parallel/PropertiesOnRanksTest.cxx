@@ -93,6 +93,7 @@ std::vector<ContourProperty> MakeContourProperties()
   return {
     { "ComputeNormals", [](Contour* contour) { contour->ComputeNormalsOff(); } },
     { "ComputeScalars", [](Contour* contour) { contour->ComputeScalarsOff(); } },
+    { "OutputPointsPrecision", [](Contour* contour) { contour->SetOutputPointsPrecision(1); } },
     { "GenerateTriangles", [](Contour* contour) { contour->GenerateTrianglesOff(); } },
     { "Isovalues", [](Contour* contour) { contour->SetValue(1, AgreedIsovalue + 9); } },
     { "Level", [](Contour* contour) { contour->SetLevel(1); } },

@@ -112,6 +112,38 @@ class Surfaces(VolumeTest):
         self.assertRaisesRegex(IndexError, "'v' has 3 components, and no 3", volume.isosurface, 1, component=3)
         self.assertRaises(KeyError, volume.isosurface, 1, attributes=["mass"])
 
+    def make_ball(self, name, spacing, **place):
+        z, y, x = numpy.mgrid[:20, :21, :22] - 10.0
+        ball = (7.3 - numpy.sqrt(x * x + y * y + z * z)).astype(numpy.float32)
+        return si.create(ball, self.path(name), spacing=(spacing,) * 3, **place)
+
+    def test_enclosed_volumes_are_positive_and_normals_point_out_in_any_direction(self):
+        for number, direction in enumerate(
+            ([-1, 0, 0, 0, 1, 0, 0, 0, 1], [0, 1, 0, 1, 0, 0, 0, 0, 1], [0, -1, 0, 0, 0, -1, 1, 0, 0])
+        ):
+            volume = self.make_ball(f"ball{number}.bvol", 1, direction=numpy.reshape(direction, (3, 3)))
+            surface = volume.isosurface(0)
+            a, b, c = (surface.points[surface.triangles[:, n]].astype(float) for n in range(3))
+            enclosed = (a * numpy.cross(b, c)).sum() / 6
+            self.assertAlmostEqual(enclosed / (4 / 3 * numpy.pi * 7.3**3), 1, delta=0.02)
+            middle = surface.points.mean(axis=0)
+            self.assertTrue((((surface.points - middle) * surface.normals).sum(axis=1) > 0).all())
+
+    def test_points_are_float64_where_float32_does_not_suffice(self):
+        origin = numpy.array([448000, 6000000, -2000.0])
+        for name, spacing, dtype in (("fine", 0.05, numpy.float64), ("coarse", 12.5, numpy.float32)):
+            volume = self.make_ball(name + ".bvol", spacing, origin=tuple(origin))
+            surface = volume.isosurface(0)
+            self.assertEqual(surface.points.dtype, dtype)
+            for asked in (numpy.float32, "float64"):
+                self.assertEqual(volume.isosurface(0, dtype=asked).points.dtype, asked)
+            exact = volume.isosurface(0, dtype=float)
+            radii = numpy.linalg.norm((exact.points - origin) / spacing - 10, axis=1)
+            numpy.testing.assert_allclose(radii, 7.3, atol=0.06)
+            self.assertEqual(len(numpy.unique(exact.points, axis=0)), len(exact.points))
+            numpy.testing.assert_array_equal(exact.triangles, surface.triangles)
+        self.assertRaisesRegex(ValueError, "float32 or float64", volume.isosurface, 0, dtype="int32")
+
     def test_bad_arguments_are_errors(self):
         self.assertRaises(ValueError, self.volume.isosurface, [])
         self.assertRaises(ValueError, self.volume.isosurface, "high")

@@ -95,7 +95,7 @@ SampleVolume<T> MakeWild()
           sample, static_cast<int>(random() % (2 * Limits::max_exponent)) - Limits::max_exponent)
       : sample;
   }
-  volume.Geometry.Direction = { 0, -1, 0, 1, 0, 0, 0, 0, 1 };
+  volume.Geometry.Direction = { 0, 1, 0, 1, 0, 0, 0, 0, 1 };
   return volume;
 }
 

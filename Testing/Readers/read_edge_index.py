@@ -140,6 +140,9 @@ class Grid:
         self.first = extent[::2]
         self.dimensions = [high - low + 1 for low, high in zip(extent[::2], extent[1::2])]
         self.origin, self.spacing, self.direction = origin, spacing, direction
+        a, b, c, d, e, f, g, h, i = direction
+        self.mirrored = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0
+        self.left_handed = self.mirrored != (sum(step < 0 for step in spacing) % 2 == 1)
         self.greatest_bound = max(abs(bound) for bound in extent)
 
     def place(self, coordinates):
@@ -482,14 +485,16 @@ class Surface:
             self.points[where] = [round_to_float32(p + low)
                                   for p, low in zip(place, self.grid.first)]
             self.isovalues[where] = self.header.isovalues[record.isovalue]
-            for mine, found in zip(self.attributes, decoded.attributes):
-                mine[where] = found[x, y, z, axis]
+            for mine, found, what in zip(self.attributes, decoded.attributes, self.header.attributes):
+                turned = what.normals and self.grid.mirrored
+                mine[where] = [-n for n in found[x, y, z, axis]] if turned else found[x, y, z, axis]
         slices = decoded.block.slices
         for z, y, x in itertools.product(*(range(n) for n in record.cells[::-1])):
             rows = (slices[z][y], slices[z][y + 1], slices[z + 1][y], slices[z + 1][y + 1])
             case = sum((row[x] | row[x + 1] << 1) << 2 * n for n, row in enumerate(rows))
             for triangle in self.CASES[case]:
-                edges = [CELL_EDGES[edge] for edge in triangle]
+                order = (0, 2, 1) if self.grid.left_handed else (0, 1, 2)
+                edges = [CELL_EDGES[triangle[corner]] for corner in order]
                 self.triangles.append(tuple(self.find_id(record, x + i, y + j, z + k, axis)
                                             for (i, j, k), axis in edges))
 

@@ -93,6 +93,7 @@ void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
       {
         std::memcpy(surface.Normals.GetData(), surface.Attributes[n].Bytes.GetData(),
           3 * sizeof(float) * surface.NumberOfPoints);
+        TurnStoredNormals(header.Geometry, surface.Normals);
       }
     }
   }
@@ -116,6 +117,7 @@ void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
   part.FirstCell = surface.NumberOfCells;
   surface.Parts.push_back(part);
   AppendBuffer(surface.Points, next.Points);
+  AppendBuffer(surface.DoublePoints, next.DoublePoints);
   AppendBuffer(surface.GlobalIds, next.GlobalIds);
   AppendBuffer(surface.Normals, next.Normals);
   for (std::size_t n = 0; n < std::min(surface.Attributes.size(), next.Attributes.size()); ++n)
@@ -157,6 +159,7 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
       "have.");
   }
   Surface surface;
+  surface.HasDoublePoints = HasDoublePoints(header.Geometry, request);
   const auto count = static_cast<double>(sources.size());
   for (std::size_t n = 0; n < sources.size(); ++n)
   {

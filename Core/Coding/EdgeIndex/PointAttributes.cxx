@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/EdgeIndex/PointAttributes.h"
 
+#include "Ground/Volume/Handedness.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
+#include <algorithm>
 #include <cstring>
+#include <functional>
 
 namespace isosurface
 {
@@ -104,6 +107,7 @@ Status PointAttributes::Interpolate(
   // Not a list of one, of which GCC 14 says with sanitizers that it is out of its bounds.
   request.Isovalues.assign(1, header.Isovalues[isovalue]);
   request.GlobalIds = true;
+  request.Precision = PointPrecision::Single; // of points that nobody uses
   for (const EdgeIndexAttribute& attribute : header.Attributes)
   {
     if (attribute.IsNormals)
@@ -115,8 +119,9 @@ Status PointAttributes::Interpolate(
   }
   ISOSURFACE_RETURN_IF_ERROR(FindLayouts(header, samples, request.Attributes));
   SingleBlock source(samples);
-  const Result<Surface> surface = ExtractSurface(header.Geometry, source, request, 1);
+  Result<Surface> surface = ExtractSurface(header.Geometry, source, request, 1);
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  TurnStoredNormals(header.Geometry, surface->Normals);
   const Index3 dimensions = header.Geometry.GetDimensions();
   const VertexBox& box = samples.Scalars.Box;
   const Index3 size = box.GetSize();
@@ -141,6 +146,14 @@ Status PointAttributes::Interpolate(
     }
   }
   return Status::Ok();
+}
+
+void TurnStoredNormals(const GridGeometry& grid, Buffer<float>& normals)
+{
+  if (HasMirroredDirection(grid))
+  {
+    std::transform(normals.begin(), normals.end(), normals.begin(), std::negate<>());
+  }
 }
 
 std::vector<AttributeLayout> GetAttributeLayouts(const EdgeIndexHeader& header)

@@ -46,6 +46,12 @@ private:
   std::vector<CodedAttribute> Coded;
 };
 
+/**
+ * Reverses normals if the direction of the grid is mirrored: streams have those of vtkFlyingEdges3D,
+ * which then point to high values, as in release 1.0.0.
+ */
+void TurnStoredNormals(const GridGeometry& grid, Buffer<float>& normals);
+
 /// The layouts of the header's attributes, including normals.
 std::vector<AttributeLayout> GetAttributeLayouts(const EdgeIndexHeader& header);
 

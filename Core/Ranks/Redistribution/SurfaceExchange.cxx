@@ -263,6 +263,7 @@ std::uint64_t GetSurfaceBytes(const Surface& surface)
   const std::uint64_t index =
     surface.Connectivity.Is64Bit ? sizeof(std::int64_t) : sizeof(std::int32_t);
   std::uint64_t bytes = sizeof(float) * (surface.Points.GetSize() + surface.Normals.GetSize()) +
+    sizeof(double) * surface.DoublePoints.GetSize() +
     sizeof(std::int64_t) * surface.GlobalIds.GetSize() + index * surface.Connectivity.GetSize();
   for (const SurfaceAttribute& attribute : surface.Attributes)
   {

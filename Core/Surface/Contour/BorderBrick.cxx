@@ -77,7 +77,7 @@ void LocateBorderPoints(const Brick& brick, const BrickSamples& position, const 
       static_cast<double>(inner) + static_cast<double>(position.ExtentLow[axis]));
     if (parameters)
     {
-      parameters[n] = 0;
+      parameters[n] = brick.Side[axis] < 0 ? 1 : 0;
     }
   }
 }

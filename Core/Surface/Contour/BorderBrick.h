@@ -22,8 +22,8 @@ BlockSamples ExtendBeyond(const BlockSamples& samples, const Brick& brick);
 /// Sets or clears the bits of the outer vertices in the brick's inside words.
 void SetOuterVertices(const Brick& brick, bool areInside, std::uint64_t* inside);
 
-/// As BrickKernels::LocatePoints: the structured coordinate of each point, and a parameter with
-/// which interpolation gives the value at the inner vertex.
+/// As BrickKernels::LocatePoints: the structured coordinate of each point, and the parameter of the
+/// inner vertex.
 void LocateBorderPoints(const Brick& brick, const BrickSamples& position, const EdgeCode* codes,
   std::uint32_t count, float* coordinates, double* parameters);
 

@@ -77,7 +77,8 @@ struct WorldTransform
   double Points[12]; ///< 3 rows of 4: direction * spacing, origin
   double Normals[9]; ///< 3 rows of 3: the transposed inverse of the direction, or that itself
   double Spacing[3] = { 1, 1, 1 };
-  double Determinant = 1;          ///< of the direction; -1 flips normals along with the triangles
+  /// The magnitude of that of the direction: vtkImageTransform multiplies normals by it.
+  double Determinant = 1;
   bool NormalsRoundedOnce = false; ///< as in ContourRequest
 };
 
@@ -88,7 +89,9 @@ struct PointOutput
   const float* Coordinates; ///< the structured coordinate along the edge; x for a vertex
   const float* Normals;     ///< in structured axes; null for none
   std::uint32_t NumberOfPoints;
-  float* Points;
+  float* Points;              ///< null if there are DoublePoints
+  double* DoublePoints;       ///< without a rounding to float32, from Parameters; null for none
+  const double* Parameters;   ///< the positions on the edges, 0 to 1; 0 for a vertex
   float* WorldNormals;        ///< null for none
   std::int64_t* GlobalIds;    ///< null for none
   std::int64_t FirstGlobalId; ///< added to every global id
@@ -128,6 +131,7 @@ struct RowSlab
 {
   const std::uint64_t* Inside[2];
   const std::uint64_t* Visible; ///< the cells to visit in each row; null for all
+  CellCases Cases;
   const EdgeRow* X[2];
   const EdgeRow* Y[2];
   const EdgeRow* Z;
@@ -191,14 +195,11 @@ struct BrickKernels
   std::int64_t* (*WriteTriangles64)(
     const RowSlab& slab, std::int64_t* connectivity, std::int64_t* end);
 
-  /**
-   * Writes the polygons of a slab's cells and their offsets; advances all three references. `cases`
-   * is GetPolygonCases().
-   */
-  void (*WritePolygons32)(const RowSlab& slab, const PolygonCase* cases,
-    std::int32_t*& connectivity, std::int32_t*& offsets, std::int64_t& index);
-  void (*WritePolygons64)(const RowSlab& slab, const PolygonCase* cases,
-    std::int64_t*& connectivity, std::int64_t*& offsets, std::int64_t& index);
+  /// Writes the polygons of a slab's cells and their offsets; advances all three references.
+  void (*WritePolygons32)(
+    const RowSlab& slab, std::int32_t*& connectivity, std::int32_t*& offsets, std::int64_t& index);
+  void (*WritePolygons64)(
+    const RowSlab& slab, std::int64_t*& connectivity, std::int64_t*& offsets, std::int64_t& index);
 
   /**
    * Extends the range *minimum to *maximum, which are values of the type, by rows of samples. NaN

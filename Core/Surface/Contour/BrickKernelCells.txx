@@ -116,18 +116,17 @@ Id* WriteTriangles(const RowSlab& slab, Id* out, Id* end)
 {
   VisitCells<Id>(slab,
     [&](unsigned cellCase, const Id numbers[12])
-    { out = AppendTriangles(out, end, MarchingCubesCases[cellCase], numbers); });
+    { out = AppendTriangles(out, end, slab.Cases.Triangles[cellCase], numbers); });
   return out;
 }
 
 template <typename Id>
-void WritePolygons(const RowSlab& slab, const PolygonCase* cases, Id*& connectivity, Id*& offsets,
-  std::int64_t& index)
+void WritePolygons(const RowSlab& slab, Id*& connectivity, Id*& offsets, std::int64_t& index)
 {
   VisitCells<Id>(slab,
     [&](unsigned cellCase, const Id numbers[12])
     {
-      const PolygonCase& polygons = cases[cellCase];
+      const PolygonCase& polygons = slab.Cases.Polygons[cellCase];
       for (int polygon = 0; polygon < polygons.NumberOfPolygons; ++polygon)
       {
         *offsets++ = static_cast<Id>(index);

@@ -212,6 +212,35 @@ void WritePositions(
   }
 }
 
+// Without any rounding to float.
+void WriteDoublePositions(
+  const BrickSamples& position, const WorldTransform& transform, const PointOutput& output)
+{
+  double first[3];
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    first[axis] = static_cast<double>(position.Low[axis] + position.ExtentLow[axis]);
+  }
+  const double* m = transform.Points;
+  double* point = output.DoublePoints;
+  for (std::uint32_t n = 0; n < output.NumberOfPoints; ++n, point += 3)
+  {
+    const EdgeCode code = output.Codes[n];
+    const double t = output.Parameters[n];
+    double at[3] = { first[0] + IOf(code), first[1] + JOf(code), first[2] + KOf(code) };
+    at[CoordinateOf(code)] += t;
+    if (t != t)
+    {
+      at[0] = at[1] = at[2] = t; // as in WritePositions
+    }
+    for (int row = 0; row < 3; ++row)
+    {
+      point[row] =
+        m[4 * row] * at[0] + m[4 * row + 1] * at[1] + m[4 * row + 2] * at[2] + m[4 * row + 3];
+    }
+  }
+}
+
 // As vtkImageTransform since VTK 9.4. A zero gradient stays (0, 0, 0).
 void WriteNormalsRoundedOnce(const WorldTransform& transform, const PointOutput& output)
 {
@@ -305,7 +334,11 @@ void WriteGlobalIds(const BrickSamples& position, const PointOutput& output)
 void WritePoints(
   const BrickSamples& position, const WorldTransform& transform, const PointOutput& output)
 {
-  if (transform.Steps == WorldTransform::Kind::Identity)
+  if (output.DoublePoints)
+  {
+    WriteDoublePositions(position, transform, output);
+  }
+  else if (transform.Steps == WorldTransform::Kind::Identity)
   {
     WritePositions<false>(position, transform, output);
   }

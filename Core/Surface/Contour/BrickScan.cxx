@@ -134,6 +134,7 @@ BrickScan::BrickScan(
   , Source(source)
   , Request(request)
   , KnownSamples(FindKnownSamples(geometry, request))
+  , DoublePoints(isosurface::HasDoublePoints(geometry, request))
   , Kernels(GetBrickKernels())
   , Workers(static_cast<std::size_t>(std::max(1, threads)))
 {
@@ -343,7 +344,11 @@ void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSampl
 {
   const std::uint32_t count = part.Counts.Points;
   double* parameters = nullptr;
-  if (this->Request.Normals || !samples.Attributes.empty() || this->Request.Lines)
+  if (this->DoublePoints)
+  {
+    parameters = part.Parameters = worker.Memory.Allocate<double>(count);
+  }
+  else if (this->Request.Normals || !samples.Attributes.empty() || this->Request.Lines)
   {
     worker.Parameters.resize(std::max<std::size_t>(worker.Parameters.size(), count));
     parameters = worker.Parameters.data();
@@ -377,13 +382,13 @@ void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSampl
   if (this->Request.DropDegenerateTriangles && !this->Request.Polygons)
   {
     part.VertexPoints = worker.Memory.Reserve<VertexPoint>(count);
-    part.NumberOfVertexPoints =
-      FindVertexPoints(view, part.Codes, part.Coordinates, parameters, count, part.VertexPoints);
+    part.NumberOfVertexPoints = FindVertexPoints(
+      view, part.Codes, part.Coordinates, parameters, this->DoublePoints, count, part.VertexPoints);
     worker.Memory.Keep<VertexPoint>(part.NumberOfVertexPoints);
   }
   if (this->Request.Lines)
   {
-    this->PlacePointsOnLines(isovalue, brick, samples, unknown, part, worker);
+    this->PlacePointsOnLines(isovalue, brick, samples, unknown, parameters, part);
   }
   if (this->Request.Normals)
   {
@@ -405,15 +410,14 @@ void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSampl
     SetNormalsOnSides(this->Request.ClosedSides, this->Geometry.GetDimensions(), brick.Vertices.Low,
       part.VertexPoints, part.NumberOfVertexPoints, part.Normals);
   }
-  this->InterpolateAttributes(brick.Vertices.Low, samples, part, worker);
+  this->InterpolateAttributes(brick.Vertices.Low, samples, parameters, part);
 }
 
 void BrickScan::PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
-  const CellVisibility* unknown, BrickPart& part, Worker& worker) const
+  const CellVisibility* unknown, double* parameters, BrickPart& part) const
 {
   const LinedBrick lined{ *this->Request.Lines, brick.Vertices.Low, part.Codes,
     part.Counts.Points };
-  double* parameters = worker.Parameters.data();
   if (brick.IsBeyond() || samples.Crossings)
   {
     PlaceOnLines(lined, parameters, part.Coordinates);
@@ -451,14 +455,14 @@ void BrickScan::CopyAttributes(
 }
 
 void BrickScan::InterpolateAttributes(
-  const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const
+  const Index3& low, const BlockSamples& samples, const double* parameters, BrickPart& part) const
 {
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {
     if (!samples.Attributes[n].EdgeTuples)
     {
-      InterpolateAttribute(samples.Attributes[n], low, part.Codes, worker.Parameters.data(),
-        part.Counts.Points, part.Attributes[n]);
+      InterpolateAttribute(
+        samples.Attributes[n], low, part.Codes, parameters, part.Counts.Points, part.Attributes[n]);
     }
   }
 }

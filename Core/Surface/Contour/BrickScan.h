@@ -5,6 +5,7 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
+#include "Ground/Volume/Handedness.h"
 #include "Surface/Contour/Arena.h"
 #include "Surface/Contour/BrickKernel.h"
 #include "Surface/Contour/BrickLattice.h"
@@ -29,6 +30,7 @@ struct BrickPart
   std::uint32_t* Offsets = nullptr; ///< the first point of each row, counted in the brick
   EdgeCode* Codes = nullptr;        ///< the owned points' edges, or vertices
   float* Coordinates = nullptr;     ///< the structured coordinate along each edge
+  double* Parameters = nullptr;     ///< the position on each edge; null if points are float32
   float* Normals = nullptr;
   std::uint8_t** Attributes = nullptr; ///< tuples of each attribute
   /// With DropDegenerateTriangles, the points on vertices.
@@ -77,6 +79,10 @@ public:
   std::vector<BrickPart>& GetParts() { return this->AllParts.OfBricks; }
   const std::vector<BrickPart>& GetParts() const { return this->AllParts.OfBricks; }
   const std::vector<BrickOwnership>& GetOwnerships() const { return this->AllParts.Ownerships; }
+  /// Those that turn the corners right in the world.
+  CellCases GetCases() const { return GetCellCases(IsLeftHanded(this->Geometry)); }
+  /// Whether points are float64.
+  bool HasDoublePoints() const { return this->DoublePoints; }
   double GetAcquireSeconds() const;
   /// Whether a part has cells that are not visible: then some points may have no triangles.
   bool HasHiddenCells() const;
@@ -112,18 +118,19 @@ private:
     const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part,
     Worker& worker) const;
   void PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
-    const CellVisibility* unknown, BrickPart& part, Worker& worker) const;
+    const CellVisibility* unknown, double* parameters, BrickPart& part) const;
   BrickVisibility FindVisibility(
     const CellVisibility& ofBlock, const Brick& brick, Worker& worker) const;
   void CopyAttributes(
     const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
-  void InterpolateAttributes(
-    const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+  void InterpolateAttributes(const Index3& low, const BlockSamples& samples,
+    const double* parameters, BrickPart& part) const;
 
   const GridGeometry& Geometry;
   BlockSource& Source;
   const ContourRequest& Request;
   const VertexBox KnownSamples;
+  const bool DoublePoints;
   const BrickKernels& Kernels;
   std::vector<Threshold> Thresholds;
   std::vector<Worker> Workers;

@@ -223,7 +223,7 @@ BrickCounts CountVisible(
   const int size[3], const std::uint64_t* inside, const std::uint64_t* visible)
 {
   BrickCounts counts{ 0, 0, 0 };
-  const PolygonCase* polygons = GetPolygonCases();
+  const PolygonCase* polygons = GetCellCases(false).Polygons;
   for (int k = 0; k + 1 < size[2]; ++k)
   {
     for (int j = 0; j + 1 < size[1]; ++j)

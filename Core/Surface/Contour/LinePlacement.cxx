@@ -59,6 +59,14 @@ std::array<double, 3> ComputeGradient(const LinedBrick& brick, const SampleView&
   return gradient;
 }
 
+// The coordinate on an edge along an axis. Beyond the grid both ends are the border.
+double PlaceOnEdge(const LinedBrick& brick, std::size_t axis, const Index3& from, double parameter)
+{
+  const double low = brick.Lines.At(axis, from[axis]);
+  const double high = brick.Lines.At(axis, from[axis] + 1);
+  return low + parameter * (high - low);
+}
+
 } // namespace
 
 void LocateOnLines(const LinedBrick& brick, const SampleView& scalars, double isovalue,
@@ -78,6 +86,27 @@ void LocateOnLines(const LinedBrick& brick, const SampleView& scalars, double is
   PlaceOnLines(brick, parameters, coordinates);
 }
 
+void WriteDoublePointsOnLines(const LinedBrick& brick, const double* parameters, double* points)
+{
+  for (std::uint32_t n = 0; n < brick.Count; ++n, points += 3)
+  {
+    const std::size_t axis = brick.Codes[n] >> 18;
+    const Index3 from = FindVertex(brick, brick.Codes[n]);
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      points[a] = brick.Lines.At(a, from[a]);
+    }
+    if (axis != VertexCode)
+    {
+      points[axis] = PlaceOnEdge(brick, axis, from, parameters[n]);
+    }
+    if (std::isnan(parameters[n]))
+    {
+      points[0] = points[1] = points[2] = parameters[n];
+    }
+  }
+}
+
 void PlaceOnLines(const LinedBrick& brick, const double* parameters, float* coordinates)
 {
   for (std::uint32_t n = 0; n < brick.Count; ++n)
@@ -89,10 +118,7 @@ void PlaceOnLines(const LinedBrick& brick, const double* parameters, float* coor
       coordinates[n] = static_cast<float>(brick.Lines.At(0, from[0]));
       continue;
     }
-    // Beyond the grid both ends are the border.
-    const double low = brick.Lines.At(axis, from[axis]);
-    const double high = brick.Lines.At(axis, from[axis] + 1);
-    coordinates[n] = static_cast<float>(low + parameters[n] * (high - low));
+    coordinates[n] = static_cast<float>(PlaceOnEdge(brick, axis, from, parameters[n]));
   }
 }
 

@@ -38,6 +38,8 @@ void ComputeNormalsOnLines(const LinedBrick& brick, const SampleView& scalars,
 
 /// Writes the points' x, y, z.
 void WritePointsOnLines(const LinedBrick& brick, const float* coordinates, float* points);
+/// The same without a rounding to float, from their positions on the edges.
+void WriteDoublePointsOnLines(const LinedBrick& brick, const double* parameters, double* points);
 
 } // namespace isosurface
 

@@ -126,20 +126,39 @@ PolygonCase MakePolygonCase(std::uint64_t triangles)
   return polygons;
 }
 
+// The triangles with the second and the third corner exchanged.
+std::uint64_t TurnTriangles(std::uint64_t triangles)
+{
+  constexpr std::uint64_t second = 0x00f00f00f00f00f0;
+  constexpr std::uint64_t third = second << 4;
+  return (triangles & ~(second | third)) | (triangles & second) << 4 | (triangles & third) >> 4;
+}
+
+struct CaseTables
+{
+  std::array<std::uint64_t, 256> Triangles;
+  std::array<PolygonCase, 256> Polygons;
+};
+
+CaseTables MakeTables(bool areTurned)
+{
+  CaseTables tables;
+  for (std::size_t index = 0; index < tables.Triangles.size(); ++index)
+  {
+    const std::uint64_t triangles = MarchingCubesCases[index];
+    tables.Triangles[index] = areTurned ? TurnTriangles(triangles) : triangles;
+    tables.Polygons[index] = MakePolygonCase(tables.Triangles[index]);
+  }
+  return tables;
+}
+
 } // namespace
 
-const PolygonCase* GetPolygonCases()
+CellCases GetCellCases(bool areTurned)
 {
-  static const std::array<PolygonCase, 256> cases = []
-  {
-    std::array<PolygonCase, 256> made;
-    for (std::size_t index = 0; index < made.size(); ++index)
-    {
-      made[index] = MakePolygonCase(MarchingCubesCases[index]);
-    }
-    return made;
-  }();
-  return cases.data();
+  static const std::array<CaseTables, 2> tables = { MakeTables(false), MakeTables(true) };
+  const CaseTables& wanted = tables[areTurned ? 1 : 0];
+  return { wanted.Triangles.data(), wanted.Polygons.data() };
 }
 
 } // namespace isosurface

@@ -36,8 +36,19 @@ struct PolygonCase
   std::uint8_t Corners[12] = {};    ///< cell edges, polygon after polygon
 };
 
-/// The 256 polygon cases; made on first use.
-const PolygonCase* GetPolygonCases();
+/// The 256 cases as triangles, in the form of MarchingCubesCases, and as polygons.
+struct CellCases
+{
+  const std::uint64_t* Triangles;
+  const PolygonCase* Polygons;
+};
+
+/**
+ * The cases with the corners in the order in which they run counter-clockwise in the world, seen from
+ * low values. In a left-handed grid that is the other way round (`areTurned`, IsLeftHanded): the second and the third
+ * corner of each triangle change places. Made on first use.
+ */
+CellCases GetCellCases(bool areTurned);
 
 } // namespace isosurface
 

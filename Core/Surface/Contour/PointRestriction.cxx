@@ -115,6 +115,10 @@ void MovePoints(const BrickPart& part, const std::vector<AttributeLayout>& attri
   { std::memmove(values + to * size, values + from * size, count * size * sizeof(*values)); };
   move(part.Codes, 1);
   move(part.Coordinates, 1);
+  if (part.Parameters)
+  {
+    move(part.Parameters, 1);
+  }
   if (part.Normals)
   {
     move(part.Normals, 3);

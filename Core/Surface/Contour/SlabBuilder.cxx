@@ -57,6 +57,7 @@ SlabBuilder::SlabBuilder(
   }
   this->Slab.Size[0] = this->Self.Size[0];
   this->Slab.Size[1] = this->Self.Size[1];
+  this->Slab.Cases = scan.GetCases();
   this->Slab.FirstColumnInRow = true;
   for (int axis = 1; axis < 3; ++axis)
   {

@@ -6,7 +6,9 @@
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/GridSides.h"
+#include "Ground/Volume/PointPrecision.h"
 #include "Ground/Volume/ValueType.h"
+#include "Ground/Volume/Vector3.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -43,6 +45,7 @@ struct ContourRequest
 {
   /// In the order of the output. There is no surface for NaN, or above all values of the type.
   std::vector<double> Isovalues;
+  PointPrecision Precision = PointPrecision::Default;
   bool Normals = false; ///< fill Surface::Normals: unit vectors from high to low values
   /// Round normals to float once, at the end, as vtkImageTransform does since VTK 9.4. Otherwise
   /// after each step of their transformation, as it did before.
@@ -57,7 +60,8 @@ struct ContourRequest
   /// Fill Surface::Offsets for triangles, too. For polygons they are always filled.
   bool Offsets = false;
   /**
-   * Merge points whose structured coordinates, as floats, are those of the same vertex of the grid,
+   * Merge points whose structured coordinates, as floats (of float64 points: as doubles), are those of
+   * the same vertex of the grid,
    * and drop triangles with two corners there, then points without triangles. The merged point has
    * the gradient and the attributes at the vertex. Other triangles do not change, so a closed
    * surface stays closed. It stays a manifold where the inside is thicker than a vertex; sheets
@@ -147,7 +151,9 @@ struct SurfacePart
  */
 struct Surface
 {
-  Buffer<float> Points;           ///< x, y, z in the world
+  Buffer<float> Points;           ///< x, y, z in the world; empty if they are float64
+  Buffer<double> DoublePoints;    ///< in place of Points
+  bool HasDoublePoints = false;   ///< also tells the type of no points
   Buffer<float> Normals;          ///< x, y, z of unit length, (0, 0, 0) where there is no gradient
   Buffer<std::int64_t> GlobalIds; ///< see ExtractSurface
   IndexArray Connectivity;        ///< point numbers, cell after cell
@@ -155,6 +161,14 @@ struct Surface
     Offsets; ///< cells + 1 values into Connectivity, of the same width; empty unless requested
   std::vector<SurfaceAttribute> Attributes;
   std::vector<SurfacePart> Parts; ///< one for each isovalue, in the order of the request
+
+  Vector3 GetPoint(std::size_t point) const
+  {
+    const auto get = [point](const auto& points) -> Vector3 {
+      return { points[3 * point], points[3 * point + 1], points[3 * point + 2] };
+    };
+    return this->HasDoublePoints ? get(this->DoublePoints) : get(this->Points);
+  }
 
   std::size_t NumberOfPoints = 0;
   std::size_t NumberOfCells = 0;     ///< triangles or polygons

@@ -4,7 +4,6 @@
 #include "Ground/Base/HugePages.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Surface/Contour/LinePlacement.h"
-#include "Surface/Contour/MarchingCubesCases.h"
 #include "Surface/Contour/PointRestriction.h"
 #include "Surface/Contour/SlabBuilder.h"
 #include "Surface/Contour/WorldTransform.h"
@@ -50,12 +49,12 @@ std::size_t CountConnectivity(const Surface& surface, bool polygons)
 inline void WritePolygons(const BrickKernels& kernels, const RowSlab& slab, std::int32_t*& next,
   std::int32_t*& offsets, std::int64_t& index)
 {
-  kernels.WritePolygons32(slab, GetPolygonCases(), next, offsets, index);
+  kernels.WritePolygons32(slab, next, offsets, index);
 }
 inline void WritePolygons(const BrickKernels& kernels, const RowSlab& slab, std::int64_t*& next,
   std::int64_t*& offsets, std::int64_t& index)
 {
-  kernels.WritePolygons64(slab, GetPolygonCases(), next, offsets, index);
+  kernels.WritePolygons64(slab, next, offsets, index);
 }
 
 } // namespace
@@ -158,7 +157,15 @@ void SurfaceAssembler::Allocate(Surface& surface) const
   const std::size_t connectivity = CountConnectivity(surface, this->Request.Polygons);
   const bool wide = this->Request.WideIndices || NeedsWideIndices(points, connectivity);
 
-  surface.Points = AllocateHuge<float>(3 * points);
+  surface.HasDoublePoints = this->Scan.HasDoublePoints();
+  if (surface.HasDoublePoints)
+  {
+    surface.DoublePoints = AllocateHuge<double>(3 * points);
+  }
+  else
+  {
+    surface.Points = AllocateHuge<float>(3 * points);
+  }
   if (this->Request.Normals)
   {
     surface.Normals = AllocateHuge<float>(3 * points);
@@ -243,7 +250,15 @@ void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
   output.Coordinates = part.Coordinates;
   output.Normals = part.Normals;
   output.NumberOfPoints = part.Kept.Points;
-  output.Points = surface.Points.GetData() + 3 * part.FirstKeptPoint;
+  output.Parameters = part.Parameters;
+  if (surface.HasDoublePoints)
+  {
+    output.DoublePoints = surface.DoublePoints.GetData() + 3 * part.FirstKeptPoint;
+  }
+  else
+  {
+    output.Points = surface.Points.GetData() + 3 * part.FirstKeptPoint;
+  }
   if (this->Request.Normals)
   {
     output.WorldNormals = surface.Normals.GetData() + 3 * part.FirstKeptPoint;
@@ -258,8 +273,15 @@ void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
   if (this->Request.Lines)
   {
     const Index3& low = this->Lattice.GetBricks()[number % bricks].Vertices.Low;
-    WritePointsOnLines(
-      { *this->Request.Lines, low, part.Codes, part.Kept.Points }, part.Coordinates, output.Points);
+    const LinedBrick lined{ *this->Request.Lines, low, part.Codes, part.Kept.Points };
+    if (surface.HasDoublePoints)
+    {
+      WriteDoublePointsOnLines(lined, part.Parameters, output.DoublePoints);
+    }
+    else
+    {
+      WritePointsOnLines(lined, part.Coordinates, output.Points);
+    }
   }
   if (!this->Merge || !this->Request.GlobalIds)
   {

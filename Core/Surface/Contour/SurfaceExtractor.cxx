@@ -114,6 +114,12 @@ Result<Surface> Extract(const GridGeometry& geometry, BlockSource& source,
 
 } // namespace
 
+bool HasDoublePoints(const GridGeometry& geometry, const ContourRequest& request)
+{
+  return request.Precision == PointPrecision::Double ||
+    (request.Precision == PointPrecision::Default && NeedsDoublePoints(geometry, request.Lines));
+}
+
 GridGeometry GetNumberedGrid(const GridGeometry& geometry, const ContourRequest& request)
 {
   GridGeometry grid = geometry;

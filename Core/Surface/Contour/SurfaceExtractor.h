@@ -14,6 +14,9 @@
 namespace isosurface
 {
 
+/// Whether the points of a surface of the grid are float64.
+bool HasDoublePoints(const GridGeometry& geometry, const ContourRequest& request);
+
 /// The grid whose vertices the global ids count: the grid of the blocks or, if a side is closed,
 /// that grid with one more layer of vertices around it.
 GridGeometry GetNumberedGrid(const GridGeometry& geometry, const ContourRequest& request);

@@ -3,6 +3,7 @@
 
 #include "Ground/Volume/ValueType.h"
 
+#include <algorithm>
 #include <cstring>
 #include <unordered_map>
 
@@ -66,7 +67,10 @@ void CopyPoints(const std::vector<Surface>& surfaces, const PointPlan& plan, Sur
     anyNormals = anyNormals || !surface.Normals.IsEmpty();
   }
   merged.NumberOfPoints = count;
-  merged.Points = Buffer<float>(3 * count);
+  merged.HasDoublePoints = std::any_of(surfaces.begin(), surfaces.end(),
+    [](const Surface& surface) { return surface.HasDoublePoints; });
+  merged.Points = Buffer<float>(merged.HasDoublePoints ? 0 : 3 * count);
+  merged.DoublePoints = Buffer<double>(merged.HasDoublePoints ? 3 * count : 0);
   merged.Normals = Buffer<float>(normals && anyNormals ? 3 * count : 0);
   merged.GlobalIds = Buffer<std::int64_t>(count);
   for (const SurfaceAttribute& attribute : model.Attributes)
@@ -79,7 +83,15 @@ void CopyPoints(const std::vector<Surface>& surfaces, const PointPlan& plan, Sur
   {
     const auto [piece, old] = plan.OldNumbers[point];
     const Surface& from = surfaces[piece];
-    std::memcpy(&merged.Points[3 * point], &from.Points[3 * old], 3 * sizeof(float));
+    if (merged.HasDoublePoints)
+    {
+      const Vector3 place = from.GetPoint(old);
+      std::copy(place.begin(), place.end(), &merged.DoublePoints[3 * point]);
+    }
+    else
+    {
+      std::memcpy(&merged.Points[3 * point], &from.Points[3 * old], 3 * sizeof(float));
+    }
     merged.GlobalIds[point] = from.GlobalIds[old];
     if (!merged.Normals.IsEmpty())
     {

@@ -8,15 +8,16 @@ namespace isosurface
 {
 
 std::uint32_t FindVertexPoints(const BrickSamples& position, EdgeCode* codes, float* coordinates,
-  double* parameters, std::uint32_t count, VertexPoint* points)
+  double* parameters, bool areDouble, std::uint32_t count, VertexPoint* points)
 {
-  float at[3][MaximumBrickSize + 1];
+  double at[3][MaximumBrickSize + 1];
   for (int axis = 0; axis < 3; ++axis)
   {
     for (int n = 0; n <= position.Size[axis]; ++n)
     {
-      at[axis][n] = static_cast<float>(static_cast<double>(position.Low[axis] + n) +
-        static_cast<double>(position.ExtentLow[axis]));
+      const double exact =
+        static_cast<double>(position.Low[axis] + n) + static_cast<double>(position.ExtentLow[axis]);
+      at[axis][n] = areDouble ? exact : static_cast<double>(static_cast<float>(exact));
     }
   }
   VertexPoint* next = points;
@@ -24,8 +25,10 @@ std::uint32_t FindVertexPoints(const BrickSamples& position, EdgeCode* codes, fl
   {
     const EdgeCode axis = codes[n] >> 18;
     const EdgeCode from = codes[n] >> (6 * axis) & 63;
-    const bool atLow = coordinates[n] == at[axis][from];
-    if (!atLow && coordinates[n] != at[axis][from + 1])
+    const double place =
+      areDouble ? at[axis][from] + parameters[n] : static_cast<double>(coordinates[n]);
+    const bool atLow = place == at[axis][from];
+    if (!atLow && place != at[axis][from + 1])
     {
       continue;
     }
@@ -37,7 +40,7 @@ std::uint32_t FindVertexPoints(const BrickSamples& position, EdgeCode* codes, fl
     next->K = static_cast<std::uint8_t>(vertex >> 12 & 63);
     next->IsMerged = false;
     codes[n] = vertex | VertexAxis << 18;
-    coordinates[n] = at[0][next->I];
+    coordinates[n] = static_cast<float>(at[0][next->I]);
     if (parameters)
     {
       parameters[n] = 0;

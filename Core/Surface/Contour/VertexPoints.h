@@ -25,7 +25,8 @@ struct VertexPoint
 };
 
 /**
- * Finds the points of a brick whose coordinate, as a float, is that of an end of their edge.
+ * Finds the points of a brick whose coordinate, as a float (with `areDouble` as a double), is that of
+ * an end of their edge.
  * Changes their codes to those of the vertex, with VertexAxis, their coordinates to the vertex's x
  * coordinate and their parameters (if any) to 0. So their positions, normals and attributes are
  * those of the vertex, and do not depend on the edge.
@@ -33,7 +34,7 @@ struct VertexPoint
  * points: room for `count` points; returns their number. They are in the order of their numbers.
  */
 std::uint32_t FindVertexPoints(const BrickSamples& position, EdgeCode* codes, float* coordinates,
-  double* parameters, std::uint32_t count, VertexPoint* points);
+  double* parameters, bool areDouble, std::uint32_t count, VertexPoint* points);
 
 /**
  * Sets the normals of vertices on closed sides of the grid: the mean of the outward normals of

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace isosurface
 {
@@ -59,10 +60,10 @@ WorldTransform MakeWorldTransform(const GridGeometry& geometry, bool normalsByDi
     : moves                 ? WorldTransform::Kind::Translation
                             : WorldTransform::Kind::Identity;
 
-  transform.Determinant = ComputeDeterminant(geometry.Direction);
-  const Matrix normals = normalsByDirection
-    ? geometry.Direction
-    : InvertAndTranspose(geometry.Direction, transform.Determinant);
+  const double determinant = ComputeDeterminant(geometry.Direction);
+  transform.Determinant = std::abs(determinant);
+  const Matrix normals =
+    normalsByDirection ? geometry.Direction : InvertAndTranspose(geometry.Direction, determinant);
   std::copy(normals.begin(), normals.end(), transform.Normals);
   std::copy(geometry.Spacing.begin(), geometry.Spacing.end(), transform.Spacing);
   return transform;

@@ -11,7 +11,8 @@ namespace isosurface
 /**
  * The transformation of points from structured to world coordinates, and of normals, with the
  * matrices and the order of operations of vtkImageData and vtkImageTransform: the results are
- * bitwise equal.
+ * bitwise equal, but for the normals where the direction is mirrored: these point to low values, and
+ * those of vtkImageTransform to high ones.
  * @param normalsByDirection as in ContourRequest
  */
 WorldTransform MakeWorldTransform(const GridGeometry& geometry, bool normalsByDirection = false);

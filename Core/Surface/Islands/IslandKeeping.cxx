@@ -38,6 +38,7 @@ public:
     this->KeepParts();
     this->KeepCells(connectivity, offsets);
     this->KeepTuples(3, this->Extracted.Points);
+    this->KeepTuples(3, this->Extracted.DoublePoints);
     this->KeepTuples(3, this->Extracted.Normals);
     this->KeepTuples(1, this->Extracted.GlobalIds);
     for (SurfaceAttribute& attribute : this->Extracted.Attributes)

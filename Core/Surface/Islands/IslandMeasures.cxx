@@ -15,12 +15,6 @@ namespace isosurface
 namespace
 {
 
-Vector3 GetPoint(const Surface& surface, std::size_t point)
-{
-  const float* coordinates = surface.Points.GetData() + 3 * point;
-  return { coordinates[0], coordinates[1], coordinates[2] };
-}
-
 /// The whole number of units, which are powers of two; not beyond a maximum, and 0 for NaN.
 std::int64_t Round(double value, double maximum, double unitsPerOne)
 {
@@ -45,9 +39,9 @@ public:
 
   void Add(std::size_t a, std::size_t b, std::size_t c, IslandMeasure& sum) const
   {
-    const Vector3 first = GetPoint(this->Measured, a);
-    const Vector3 second = GetPoint(this->Measured, b);
-    const Vector3 third = GetPoint(this->Measured, c);
+    const Vector3 first = this->Measured.GetPoint(a);
+    const Vector3 second = this->Measured.GetPoint(b);
+    const Vector3 third = this->Measured.GetPoint(c);
     const Vector3 normal = Cross(Subtract(second, first), Subtract(third, first));
     const double height = first[2] + second[2] + third[2] - 3 * this->Units.MiddleZ;
     ++sum.Triangles;
@@ -323,7 +317,7 @@ NearestIsland FindNearestIsland(const Surface& surface, const IslandLabels& labe
   const auto measure = [&](std::size_t a, std::size_t b, std::size_t c)
   {
     const Vector3 offset = Subtract(place,
-      FindNearestPoint(place, GetPoint(surface, a), GetPoint(surface, b), GetPoint(surface, c)));
+      FindNearestPoint(place, surface.GetPoint(a), surface.GetPoint(b), surface.GetPoint(c)));
     return Dot(offset, offset);
   };
   WithCells(surface,

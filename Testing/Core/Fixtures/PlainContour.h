@@ -114,9 +114,28 @@ private:
       ids[static_cast<std::size_t>(corner % 3)] = id;
       if (corner % 3 == 2)
       {
+        if (this->IsLeftHanded())
+        {
+          std::swap(ids[1], ids[2]);
+        }
         surface.AddTriangle(ids);
       }
     }
+  }
+
+  // Whether the steps from vertex to vertex on x, y and z are left-handed in the world.
+  bool IsLeftHanded() const
+  {
+    const GridGeometry& grid = this->Volume.Geometry;
+    std::array<Vector3, 3> steps{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      for (std::size_t row = 0; row < 3; ++row)
+      {
+        steps[axis][row] = grid.Spacing[axis] * grid.Direction[3 * row + axis];
+      }
+    }
+    return Dot(Cross(steps[0], steps[1]), steps[2]) < 0;
   }
 
   static double Subtract(T a, T b)

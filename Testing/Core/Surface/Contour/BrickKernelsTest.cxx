@@ -136,10 +136,11 @@ void Products<T>::MakeCells(
     slab.Z = z[0];
     slab.Size[0] = samples.Size[0];
     slab.Size[1] = samples.Size[1];
+    slab.Cases = GetCellCases(false);
     slab.FirstColumnInRow = k % 2 == 0;
     triangle =
       kernels.WriteTriangles32(slab, triangle, this->Triangles.data() + this->Triangles.size());
-    kernels.WritePolygons64(slab, GetPolygonCases(), corner, offset, index);
+    kernels.WritePolygons64(slab, corner, offset, index);
   }
   EXPECT_EQ(triangle, this->Triangles.data() + this->Triangles.size());
   EXPECT_EQ(corner, this->Polygons.data() + this->Polygons.size());

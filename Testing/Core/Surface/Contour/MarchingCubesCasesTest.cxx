@@ -142,7 +142,7 @@ TEST(MarchingCubesCases, PolygonsHaveTheOutlineOfTheTriangles)
   for (unsigned cellCase = 0; cellCase < 256; ++cellCase)
   {
     const std::vector<Triangle> triangles = TrianglesOf(cellCase);
-    const PolygonCase& polygons = GetPolygonCases()[cellCase];
+    const PolygonCase& polygons = GetCellCases(false).Polygons[cellCase];
     std::set<Side> sides;
     std::size_t corner = 0;
     for (std::size_t polygon = 0; polygon < polygons.NumberOfPolygons; ++polygon)

@@ -218,8 +218,8 @@ TEST(SurfaceExtractor, ObliqueGridsTransformPointsAndNormals)
         turned[row] = 0;
         for (std::size_t column = 0; column < 3; ++column)
         {
-          // The transposed inverse of a rotation is the rotation; a reflection reverses the normal.
-          turned[row] += flip * volume.Geometry.Direction[3 * row + column] *
+          // The transposed inverse of a rotation, or of a reflection, is that itself.
+          turned[row] += volume.Geometry.Direction[3 * row + column] *
             static_cast<double>(before[column]) / volume.Geometry.Spacing[column];
         }
         dot += turned[row] * static_cast<double>(after[row]);
