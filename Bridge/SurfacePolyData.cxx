@@ -144,9 +144,6 @@ void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arra
     Adopt(array.Get(), surface.Normals);
     output->GetPointData()->SetNormals(array);
   }
-  const auto ids = MakeArray<vtkIdTypeArray>("GlobalIds");
-  Adopt(ids.Get(), surface.GlobalIds);
-  output->GetPointData()->SetGlobalIds(ids);
   if (!scalarsName.empty())
   {
     const bool exact = std::all_of(surface.Parts.begin(), surface.Parts.end(),
@@ -161,6 +158,10 @@ void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arra
       FillScalars<vtkDoubleArray>(surface, scalarsName, output);
     }
   }
+  // The last array: vtkAdaptiveSubdivisionFilter, which drops it, mixes up those behind it.
+  const auto ids = MakeArray<vtkIdTypeArray>("GlobalIds");
+  Adopt(ids.Get(), surface.GlobalIds);
+  output->GetPointData()->SetGlobalIds(ids);
 }
 
 } // namespace isosurface

@@ -9,6 +9,7 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
 #include "vtkStringArray.h"
 
 #include <algorithm>
@@ -20,7 +21,8 @@ namespace isosurface
 
 void AddBlocks(const SurfaceBlocks& blocks, vtkPolyData* surface)
 {
-  auto* ids = vtkIdTypeArray::SafeDownCast(surface->GetPointData()->GetGlobalIds());
+  const vtkSmartPointer<vtkIdTypeArray> ids =
+    vtkIdTypeArray::SafeDownCast(surface->GetPointData()->GetGlobalIds());
   if (blocks.Names.empty() || !ids)
   {
     return;
@@ -35,7 +37,10 @@ void AddBlocks(const SurfaceBlocks& blocks, vtkPolyData* surface)
     const auto grid = static_cast<std::size_t>(next - blocks.FirstIds.begin() - 1);
     numbers->SetValue(point, static_cast<int>(blocks.Numbers[grid]));
   }
+  // Ids stay the last array: see MoveToPolyData.
+  surface->GetPointData()->RemoveArray(ids->GetName());
   surface->GetPointData()->AddArray(numbers);
+  surface->GetPointData()->SetGlobalIds(ids);
   vtkNew<vtkStringArray> names;
   names->SetName("BlockNames");
   for (const std::string& name : blocks.Names)
