@@ -242,6 +242,12 @@ Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options,
   ISOSURFACE_RETURN_IF_ERROR(WriteInOneStep(options.Output, write));
   PrintCounts(options, job.GetNumberOfPoints(), job.GetNumberOfTriangles(), display.GetSeconds());
   WarnOfWritten(options, job.GetNumberOfDroppedTriangles(), isovalues);
+  if (job.GetOrigin() && FindEnding(options.Output) == ".stl")
+  {
+    std::fprintf(stderr,
+      "edgeindex: warning: %s: float32 cannot hold its places in the world: they count from %s\n",
+      options.Output.c_str(), ToText(*job.GetOrigin()).c_str());
+  }
   return Status::Ok();
 }
 

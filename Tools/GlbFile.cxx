@@ -115,6 +115,7 @@ GlbFile::GlbFile(
   , HasNormals(settings.HasNormals)
   , IsCompressed(settings.IsCompressed)
   , UnitInMetres(settings.UnitInMetres)
+  , Origin(settings.Origin)
   , JsonBytes(FindJsonBytes(header, settings.MostMeshes))
   , BinaryStart(HeaderSize + ChunkHeaderSize + this->JsonBytes + ChunkHeaderSize)
   , Primitives(header.Isovalues.size(), Json::array())
@@ -276,7 +277,9 @@ std::string GlbFile::MakeJson() const
   // x stays, z becomes y, y becomes -z.
   const double unit = this->UnitInMetres;
   Json nodes = Json::array({ Json::object({ { "name", "isosurfaces, z up" },
-    { "matrix", { unit, 0, 0, 0, 0, 0, -unit, 0, 0, unit, 0, 0, 0, 0, 0, 1 } } }) });
+    { "matrix",
+      { unit, 0, 0, 0, 0, 0, -unit, 0, 0, unit, 0, 0, unit * this->Origin[0],
+        unit * this->Origin[2], -unit * this->Origin[1], 1 } } }) });
   Json meshes = Json::array();
   for (std::size_t isovalue = 0; isovalue < this->Primitives.size(); ++isovalue)
   {

@@ -17,7 +17,7 @@ namespace isosurface
  * end: it has room that is filled with blanks.
  *
  * glTF is in metres, with y up. So a node turns the isovalues' nodes, whose z is up, and scales them
- * from the unit of the points. Normals get unit length; where there is none, they are those of the
+ * from the unit of the points. It also moves them from their origin. Normals get unit length; where there is none, they are those of the
  * triangles.
  *
  * Compressed (EXT_meshopt_compression, KHR_mesh_quantization): points are exact, normals have 8 bits
@@ -66,6 +66,7 @@ private:
   bool HasNormals;
   bool IsCompressed;
   double UnitInMetres;
+  Vector3 Origin; ///< of the points
   std::size_t JsonBytes;
   std::uint64_t BinaryStart;
   std::uint64_t PlainBytes = 0; ///< of the views, if nothing were compressed

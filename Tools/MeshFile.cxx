@@ -6,6 +6,9 @@
 #include "PlyFile.h"
 #include "StlFile.h"
 
+#include <limits>
+#include <sstream>
+
 namespace isosurface
 {
 namespace
@@ -18,6 +21,14 @@ bool EndsIn(const std::string& path, const std::string& ending)
 }
 
 } // namespace
+
+std::string ToText(const Vector3& place)
+{
+  std::ostringstream text;
+  text.precision(std::numeric_limits<double>::digits10);
+  text << place[0] << " " << place[1] << " " << place[2];
+  return text.str();
+}
 
 bool MeshFile::Knows(const std::string& path)
 {
@@ -36,7 +47,9 @@ std::uint64_t MeshFile::EstimateBytes(const Settings& settings)
   {
     return ObjFile::EstimateBytes(settings);
   }
-  const std::uint64_t pointBytes = (settings.HasNormals ? 6 : 3) * sizeof(float);
+  const bool isDouble = settings.HasDoublePoints && EndsIn(settings.Path, ".ply");
+  const std::uint64_t pointBytes =
+    3 * ((settings.HasNormals ? sizeof(float) : 0) + (isDouble ? sizeof(double) : sizeof(float)));
   return pointBytes * settings.Points + cornersBytes * settings.Triangles +
     (EndsIn(settings.Path, ".ply") ? settings.Triangles : 0);
 }
@@ -76,7 +89,7 @@ Result<std::unique_ptr<MeshFile>> MeshFile::Create(
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   if (EndsIn(settings.Path, ".stl"))
   {
-    return StlFile::Create(std::move(*file));
+    return StlFile::Create(std::move(*file), settings);
   }
   if (EndsIn(settings.Path, ".ply"))
   {

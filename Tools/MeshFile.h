@@ -5,6 +5,7 @@
 #include "Coding/EdgeIndex/EdgeIndexHeader.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/Vector3.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +20,8 @@ namespace isosurface
 /// finite; normals may be of any length, and not numbers.
 struct Mesh
 {
-  const float* Points = nullptr;           ///< x, y, z in the world
+  const float* Points = nullptr;           ///< x, y, z in the world, from MeshFile's Origin on
+  const double* DoublePoints = nullptr;    ///< from 0 on, where float32 does not suffice; else null
   const float* Normals = nullptr;          ///< x, y, z; null for none
   const std::int64_t* GlobalIds = nullptr; ///< of the grid's edges on which the points are
   std::size_t NumberOfPoints = 0;
@@ -36,20 +38,25 @@ struct PointNumbers
   std::uint64_t First = 0;
 };
 
+/// A place with the digits that tell it from all others.
+std::string ToText(const Vector3& place);
+
 /// A file of triangles that is written piece by piece, in little more memory than a piece has.
 class MeshFile
 {
 public:
   struct Settings
   {
-    std::string Path;            ///< its end names the format
-    std::string Partial;         ///< where the file is written
-    std::size_t MostMeshes = 0;  ///< that will be appended
-    bool HasNormals = false;     ///< every mesh has them
-    bool IsCompressed = false;   ///< only of .glb
-    double UnitInMetres = 0.001; ///< of the points; for .glb
-    std::uint64_t Points = 0;    ///< about how many will be appended
-    std::uint64_t Triangles = 0; ///< likewise
+    std::string Path;             ///< its end names the format
+    std::string Partial;          ///< where the file is written
+    std::size_t MostMeshes = 0;   ///< that will be appended
+    bool HasNormals = false;      ///< every mesh has them
+    bool IsCompressed = false;    ///< only of .glb
+    double UnitInMetres = 0.001;  ///< of the points; for .glb
+    bool HasDoublePoints = false; ///< every mesh has them
+    Vector3 Origin{};             ///< from which float32 points count; 0 unless there are others
+    std::uint64_t Points = 0;     ///< about how many will be appended
+    std::uint64_t Triangles = 0;  ///< likewise
   };
 
   /// About how many bytes the file will have; at most so many if it is compressed.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MeshWriteJob.h"
 
+#include "Ground/Volume/PointPrecision.h"
+#include "Ground/Volume/VertexPlaces.h"
 #include "SimplifiedMesh.h"
 #include "Surface/Islands/IslandKeeping.h"
 
@@ -17,6 +19,7 @@ constexpr std::uint64_t ProcessBytes = std::uint64_t{ 80 } << 20;
 // For each point: its arrays, two triangles, and what making, simplifying and compressing them takes.
 constexpr std::uint64_t PointBytes = 100;
 constexpr std::uint64_t SimplifiedPointBytes = 420;
+constexpr std::uint64_t DoublePointBytes = 40; // more
 constexpr std::uint64_t CompressedPointBytes = 220;
 // Of so many, the corners of all triangles have numbers of 32 bits.
 constexpr std::uint64_t MostPoints = 100'000'000;
@@ -35,6 +38,12 @@ MeshWriteJob::MeshWriteJob(const EdgeIndexFile& file, const Settings& settings)
   , HasNormals(HasNormalsOf(file.GetHeader()) && !settings.IsPreview)
   , Shared(file.GetHeader().Geometry.GetDimensions())
 {
+  const GridGeometry grid =
+    settings.IsPreview ? file.GetHeader().MakePreview().Geometry : file.GetHeader().Geometry;
+  if (NeedsDoublePoints(grid, nullptr))
+  {
+    this->Origin = VertexPlaces(grid).FindPoint({ 0, 0, 0 });
+  }
 }
 
 std::vector<SurfacePiece> MeshWriteJob::FindPieces() const
@@ -47,8 +56,10 @@ std::vector<SurfacePiece> MeshWriteJob::FindPieces() const
   const std::uint64_t point = this->Chosen.NumberOfTriangles > 0 ? SimplifiedPointBytes
     : this->Chosen.IsCompressed                                  ? CompressedPointBytes
                                                                  : PointBytes;
-  return CutSurface(
-    this->File, std::min(MostPoints, (bytes > ProcessBytes ? bytes - ProcessBytes : 1) / point));
+  return CutSurface(this->File,
+    std::min(MostPoints,
+      (bytes > ProcessBytes ? bytes - ProcessBytes : 1) /
+        (point + (this->Origin ? DoublePointBytes : 0))));
 }
 
 Status MeshWriteJob::Write(
@@ -68,6 +79,8 @@ Status MeshWriteJob::Write(
   settings.HasNormals = this->HasNormals;
   settings.IsCompressed = this->Chosen.IsCompressed;
   settings.UnitInMetres = this->Chosen.UnitInMetres;
+  settings.HasDoublePoints = this->Origin.has_value();
+  settings.Origin = this->Origin.value_or(Vector3{});
   // A closed surface has two triangles a point.
   const std::uint64_t kept = this->Chosen.NumberOfTriangles;
   settings.Triangles = kept > 0 ? std::min(kept, 2 * this->PointsInAll) : 2 * this->PointsInAll;
@@ -108,7 +121,6 @@ Status MeshWriteJob::WritePiece(
   ContourRequest request;
   request.GlobalIds = true;
   request.Normals = this->HasNormals;
-  request.Precision = PointPrecision::Single;
   auto surface = this->File.Read(selection, request, this->Chosen.Threads, progress);
   ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
   this->NumberOfDroppedTriangles += KeepFiniteTriangles(this->Chosen.Threads, *surface);
@@ -118,6 +130,7 @@ Status MeshWriteJob::WritePiece(
   const double aimOfPiece = static_cast<double>(this->Chosen.NumberOfTriangles) *
     static_cast<double>(piece.NumberOfPoints) /
     static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
+  const std::vector<float> local = this->MakeLocalPoints(*surface);
   std::vector<std::uint32_t> corners;
   for (std::size_t isovalue = 0; isovalue < surface->Parts.size(); ++isovalue)
   {
@@ -130,7 +143,9 @@ Status MeshWriteJob::WritePiece(
           static_cast<std::int64_t>(part.FirstPoint));
     }
     Mesh mesh;
-    mesh.Points = surface->Points.GetData() + 3 * part.FirstPoint;
+    mesh.Points = (this->Origin ? local.data() : surface->Points.GetData()) + 3 * part.FirstPoint;
+    mesh.DoublePoints =
+      this->Origin ? surface->DoublePoints.GetData() + 3 * part.FirstPoint : nullptr;
     mesh.Normals = this->HasNormals ? surface->Normals.GetData() + 3 * part.FirstPoint : nullptr;
     mesh.GlobalIds = surface->GlobalIds.GetData() + part.FirstPoint;
     mesh.NumberOfPoints = part.NumberOfPoints;
@@ -146,6 +161,16 @@ Status MeshWriteJob::WritePiece(
     }
   }
   return Status::Ok();
+}
+
+std::vector<float> MeshWriteJob::MakeLocalPoints(const Surface& surface) const
+{
+  std::vector<float> local(surface.DoublePoints.GetSize());
+  for (std::size_t value = 0; value < local.size(); ++value)
+  {
+    local[value] = static_cast<float>(surface.DoublePoints[value] - (*this->Origin)[value % 3]);
+  }
+  return local;
 }
 
 Status MeshWriteJob::WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output)

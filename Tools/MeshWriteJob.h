@@ -4,10 +4,12 @@
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Ground/Base/Progress.h"
+#include "Ground/Volume/Vector3.h"
 #include "MeshFile.h"
 #include "SharedPoints.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,8 @@ public:
   /// MeshFile.
   Status Write(const std::string& path, const std::string& partial, const Progress& progress);
 
+  /// From where the float32 points of .stl files count, if float32 does not suffice for places.
+  const std::optional<Vector3>& GetOrigin() const { return this->Origin; }
   std::uint64_t GetNumberOfPoints() const { return this->Shared.GetNumberOfPoints(); }
   std::uint64_t GetNumberOfTriangles() const { return this->NumberOfTriangles; }
   /// Those with a point that is not finite.
@@ -44,12 +48,15 @@ public:
 private:
   std::vector<SurfacePiece> FindPieces() const;
   Status WritePiece(const SurfacePiece& piece, MeshFile& output, const Progress& progress);
+  /// The points of a surface as float32 from the origin on; none if they are float32.
+  std::vector<float> MakeLocalPoints(const Surface& surface) const;
   /// Simplifies a mesh to about so many triangles, if it has more, and writes it.
   Status WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output);
 
   const EdgeIndexFile& File;
   Settings Chosen;
   bool HasNormals;
+  std::optional<Vector3> Origin; ///< the first vertex of the grid, if points are float64
   std::uint64_t PointsInAll = 0; ///< as the directory counts them
   SharedPoints Shared;
   std::uint64_t NumberOfTriangles = 0;

@@ -2,6 +2,7 @@
 #include "ObjFile.h"
 
 #include <cstdio>
+#include <limits>
 #include <sstream>
 
 namespace isosurface
@@ -11,12 +12,15 @@ namespace
 
 constexpr std::size_t TextAtOnce = std::size_t{ 4 } << 20;
 
-/// A line of three numbers, from which the same floats are read.
-void AppendLine(const char* key, const float* numbers, std::string& text)
+/// A line of three numbers, from which the same floats or doubles are read.
+template <typename Real>
+void AppendLine(const char* key, const Real* numbers, std::string& text)
 {
-  char line[64];
-  std::snprintf(line, sizeof(line), "%s %.9g %.9g %.9g\n", key, static_cast<double>(numbers[0]),
-    static_cast<double>(numbers[1]), static_cast<double>(numbers[2]));
+  char line[96];
+  std::snprintf(line, sizeof(line), "%s %.*g %.*g %.*g\n", key,
+    std::numeric_limits<Real>::max_digits10, static_cast<double>(numbers[0]),
+    std::numeric_limits<Real>::max_digits10, static_cast<double>(numbers[1]),
+    std::numeric_limits<Real>::max_digits10, static_cast<double>(numbers[2]));
   text += line;
 }
 
@@ -58,7 +62,14 @@ Status ObjFile::Append(const Mesh& mesh, const PointNumbers& numbers)
     {
       continue;
     }
-    AppendLine("v", mesh.Points + 3 * point, text);
+    if (mesh.DoublePoints)
+    {
+      AppendLine("v", mesh.DoublePoints + 3 * point, text);
+    }
+    else
+    {
+      AppendLine("v", mesh.Points + 3 * point, text);
+    }
     if (this->HasNormals)
     {
       AppendLine("vn", mesh.Normals + 3 * point, text);

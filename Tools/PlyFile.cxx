@@ -38,7 +38,8 @@ private:
   std::vector<std::uint8_t> Bytes;
 };
 
-void AppendVector(const float* vector, std::vector<std::uint8_t>& bytes)
+template <typename Real>
+void AppendVector(const Real* vector, std::vector<std::uint8_t>& bytes)
 {
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
@@ -66,8 +67,7 @@ Result<std::unique_ptr<MeshFile>> PlyFile::Create(
 {
   auto faces = files.CreateForWriting(settings.Partial + ".faces");
   ISOSURFACE_RETURN_IF_ERROR(faces.GetStatus());
-  std::unique_ptr<PlyFile> mesh(
-    new PlyFile(files, std::move(file), std::move(*faces), settings.HasNormals));
+  std::unique_ptr<PlyFile> mesh(new PlyFile(files, std::move(file), std::move(*faces), settings));
   const std::string text = mesh->MakeHeader();
   ISOSURFACE_RETURN_IF_ERROR(mesh->File->Append(text.data(), text.size()));
   return std::unique_ptr<MeshFile>(std::move(mesh));
@@ -85,11 +85,11 @@ std::string PlyFile::MakeHeader() const
   const bool isWide = this->NumberOfPoints > std::numeric_limits<std::int32_t>::max();
   std::ostringstream text;
   text << "element vertex " << this->NumberOfPoints << "\n";
-  for (const char* name : { "x", "y", "z", "nx", "ny", "nz" })
+  for (const char* name : { "x", "y", "z" })
   {
-    text << (name[0] != 'n' || this->HasNormals ? std::string("property float ") + name + "\n"
-                                                : "");
+    text << "property " << (this->HasDoublePoints ? "double " : "float ") << name << "\n";
   }
+  text << (this->HasNormals ? "property float nx\nproperty float ny\nproperty float nz\n" : "");
   text << "element face " << this->NumberOfTriangles << "\nproperty list uchar "
        << (isWide ? "uint" : "int") << " vertex_indices\nend_header\n";
   std::string head =
@@ -106,7 +106,14 @@ Status PlyFile::AppendNewPoints(const Mesh& mesh, const PointNumbers& numbers)
     if (numbers.Values[point] >= numbers.First)
     {
       ++this->NumberOfPoints;
-      AppendVector(mesh.Points + 3 * point, gatherer.GetBytes());
+      if (this->HasDoublePoints)
+      {
+        AppendVector(mesh.DoublePoints + 3 * point, gatherer.GetBytes());
+      }
+      else
+      {
+        AppendVector(mesh.Points + 3 * point, gatherer.GetBytes());
+      }
       if (this->HasNormals)
       {
         AppendVector(mesh.Normals + 3 * point, gatherer.GetBytes());

@@ -23,11 +23,12 @@ public:
 
 private:
   PlyFile(FileSystem& files, std::unique_ptr<WritableFile> file,
-    std::unique_ptr<WritableFile> faces, bool hasNormals)
+    std::unique_ptr<WritableFile> faces, const Settings& settings)
     : Files(files)
     , File(std::move(file))
     , Faces(std::move(faces))
-    , HasNormals(hasNormals)
+    , HasNormals(settings.HasNormals)
+    , HasDoublePoints(settings.HasDoublePoints)
   {
   }
 
@@ -39,6 +40,7 @@ private:
   std::unique_ptr<WritableFile> File;
   std::unique_ptr<WritableFile> Faces;
   bool HasNormals;
+  bool HasDoublePoints;
   std::uint64_t NumberOfPoints = 0;
   std::uint64_t NumberOfTriangles = 0;
 };

@@ -34,6 +34,10 @@ void SimplifiedMesh::KeepUsedPoints(const Mesh& mesh)
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       this->Points.push_back(mesh.Points[3 * point + axis]);
+      if (mesh.DoublePoints)
+      {
+        this->DoublePoints.push_back(mesh.DoublePoints[3 * point + axis]);
+      }
       if (mesh.Normals)
       {
         this->Normals.push_back(mesh.Normals[3 * point + axis]);
@@ -52,6 +56,7 @@ Mesh SimplifiedMesh::Get() const
 {
   Mesh mesh = this->Description;
   mesh.Points = this->Points.data();
+  mesh.DoublePoints = this->Description.DoublePoints ? this->DoublePoints.data() : nullptr;
   mesh.Normals = this->Description.Normals ? this->Normals.data() : nullptr;
   mesh.GlobalIds = this->GlobalIds.data();
   mesh.NumberOfPoints = this->GlobalIds.size();

@@ -27,6 +27,7 @@ private:
 
   Mesh Description;
   std::vector<float> Points;
+  std::vector<double> DoublePoints; ///< if the first mesh has them
   std::vector<float> Normals;
   std::vector<std::int64_t> GlobalIds;
   std::vector<std::uint32_t> Corners;

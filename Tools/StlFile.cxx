@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 
 namespace isosurface
 {
@@ -61,11 +62,14 @@ std::uint8_t* StoreTriangle(const Mesh& mesh, const std::uint32_t* corners, std:
 
 } // namespace
 
-Result<std::unique_ptr<MeshFile>> StlFile::Create(std::unique_ptr<WritableFile> file)
+Result<std::unique_ptr<MeshFile>> StlFile::Create(
+  std::unique_ptr<WritableFile> file, const Settings& settings)
 {
   std::vector<std::uint8_t> head(TextSize + sizeof(std::uint32_t), std::uint8_t{ ' ' });
-  constexpr char text[] = "Isosurface of an edge-index file"; // "solid" would say that it is text
-  std::memcpy(head.data(), text, sizeof(text) - 1);
+  // "solid" would say that it is text.
+  const std::string text = settings.HasDoublePoints ? "Isosurface, from " + ToText(settings.Origin)
+                                                    : "Isosurface of an edge-index file";
+  std::memcpy(head.data(), text.data(), std::min(text.size(), TextSize));
   ISOSURFACE_RETURN_IF_ERROR(file->Append(head.data(), head.size()));
   return std::unique_ptr<MeshFile>(new StlFile(std::move(file)));
 }

@@ -13,7 +13,8 @@ class StlFile : public MeshFile
 public:
   static constexpr std::size_t TriangleSize = 50;
 
-  static Result<std::unique_ptr<MeshFile>> Create(std::unique_ptr<WritableFile> file);
+  static Result<std::unique_ptr<MeshFile>> Create(
+    std::unique_ptr<WritableFile> file, const Settings& settings);
 
   Status Append(const Mesh& mesh, const PointNumbers& numbers) override;
   Status Finish() override;

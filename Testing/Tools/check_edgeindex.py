@@ -79,7 +79,7 @@ def read_ply(path):
         elif words[:2] == ["element", "face"]:
             element, triangles = "face", int(words[2])
         elif words[:1] == ["property"] and element == "vertex":
-            properties += {"float": 4, "uchar": 1}[words[1]]
+            properties += {"double": 8, "float": 4, "uchar": 1}[words[1]]
     body = body[points * properties :]
     cells = []
     for n in range(triangles):
@@ -105,8 +105,9 @@ def read_ply_points(path):
     points, cells = read_ply(path)
     with open(path, "rb") as file:
         header, body = file.read().split(b"end_header\n", 1)
-    values = header.count(b"property float ")
-    return [struct.unpack_from("<3f", body, 4 * values * n) for n in range(points)], cells
+    wide = b"property double x" in header
+    size = 4 * header.count(b"property float ") + 8 * header.count(b"property double ")
+    return [struct.unpack_from("<3d" if wide else "<3f", body, size * n) for n in range(points)], cells
 
 
 def read_obj_points(path):
@@ -114,6 +115,16 @@ def read_obj_points(path):
     with open(path) as file:
         lines = [line.split() for line in file]
     return [tuple(map(float, line[1:])) for line in lines if line[0] == "v"], read_obj(path)[1]
+
+
+def place(name, origin, spacing, direction, to):
+    """A golden file whose grid lies elsewhere."""
+    with open(golden(name), "rb") as file:
+        data = file.read()
+    size = struct.unpack_from("<I", data, 12)[0]
+    header = data[:96] + struct.pack("<15d", *origin, *spacing, *direction) + data[216 : size - 8]
+    with open(scratch(to), "wb") as file:
+        file.write(header + struct.pack("<Q", hash64(header)) + data[size:])
 
 
 def read_stl_points(path):
@@ -546,6 +557,55 @@ class ExportsAreForOtherPrograms(unittest.TestCase):
             return [tuple(surface.GetPoint(surface.GetCell(n).GetPointId(corner)) for corner in range(3))
                     for n in range(surface.GetNumberOfCells())]
         return read_stl_points(path) if path.endswith(".stl") else Glb(path).triangles()
+
+    STRAIGHT = 1, 0, 0, 0, 1, 0, 0, 0, 1
+    MIRRORED = -1, 0, 0, 0, 1, 0, 0, 0, 1
+
+    def test_corners_of_left_handed_grids_are_turned(self):
+        for name in ("lossless-int16.eix", "bounded.eix", "smallest.eix"):
+            place(name, (0, 0, 0), (1, 1, 1), self.STRAIGHT, "right.eix")
+            place(name, (0, 0, 0), (1, 1, 1), self.MIRRORED, "left.eix")
+            place(name, (0, 0, 0), (-1, 1, 1), self.STRAIGHT, "back.eix")
+            for ending in ("ply", "stl", "obj", "glb", "vtp"):
+                with self.subTest(name=name, ending=ending):
+                    for grid in ("right", "left", "back"):
+                        code, _, err = run("decode", grid + ".eix", f"{grid}.{ending}", "--quiet")
+                        self.assertEqual((code, err), (0, ""))
+                    mirrored = [tuple((-x, y, z) for x, y, z in (a, c, b))
+                                for a, b, c in self.read(scratch("right." + ending))]
+                    for grid in ("left", "back"):
+                        found = self.read(scratch(f"{grid}.{ending}"))
+                        self.assertEqual(count_triangles(found), count_triangles(mirrored))
+
+    def test_large_coordinates_keep_places_apart(self):
+        name, origin, step = "lossless-int16.eix", (448000, 6000000, -2000), 0.05
+        place(name, (0, 0, 0), (1, 1, 1), self.STRAIGHT, "near.eix")
+        place(name, origin, (step,) * 3, self.STRAIGHT, "far.eix")
+        for ending in ("ply", "obj", "stl", "glb", "vtp"):
+            with self.subTest(ending=ending):
+                self.assertEqual(run("decode", "near.eix", "near." + ending)[0], 0)
+                code, _, err = run("decode", "far.eix", "far." + ending, "--quiet")
+                self.assertEqual((code, "count from" in err), (0, ending == "stl"), err)
+                first = (0, 0, 0)
+                if ending in ("stl", "glb"):
+                    extent = json.loads(run("info", "far.eix", "--json")[1])["grid"]["extent"]
+                    first = [o + step * low for o, low in zip(origin, extent[::2])]
+                if ending == "glb":
+                    node = Glb(scratch("far.glb")).json["nodes"][0]["matrix"]
+                    for value, expected in zip(node[12:], (first[0], first[2], -first[1], 1000)):
+                        self.assertAlmostEqual(value * 1000, expected, places=3)
+                near, far = self.read_places("near." + ending), self.read_places("far." + ending)
+                self.assertEqual(len(near), len(far))
+                for a, b in zip(near, far):
+                    for n, f, o, add in zip(a, b, origin, first):
+                        self.assertAlmostEqual(f + add, o + step * n, delta=step / 1000)
+
+    def read_places(self, name):
+        """The corners of all triangles, in their order, in all digits."""
+        if name.endswith((".ply", ".obj")):
+            points, cells = (read_ply_points if name.endswith(".ply") else read_obj_points)(scratch(name))
+            return [points[n] for cell in cells for n in cell]
+        return [corner for one in self.read(scratch(name)) for corner in one]
 
     def test_normals_of_glb_have_unit_length(self):
         surface = EdgeIndexFile(golden(NOT_NUMBERS)).read_surface()

@@ -226,16 +226,16 @@ void KeepPoints(const Predicate& isKept, int threads, Surface& surface)
 // first, by which KeptSurface decides. Returns how many these are.
 template <typename Index>
 std::size_t MarkFiniteTriangles(
-  const Buffer<float>& points, Buffer<Index>& corners, std::vector<std::uint8_t>& areKept)
+  const Surface& surface, Buffer<Index>& corners, std::vector<std::uint8_t>& areKept)
 {
   std::size_t dropped = 0;
   for (std::size_t triangle = 0; triangle < corners.GetSize() / 3; ++triangle)
   {
     Index* own = corners.GetData() + 3 * triangle;
     Index* wrong = std::find_if(own, own + 3,
-      [&points](Index corner)
+      [&surface](Index corner)
       {
-        const float* point = points.GetData() + 3 * static_cast<std::size_t>(corner);
+        const Vector3 point = surface.GetPoint(static_cast<std::size_t>(corner));
         return !std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2]);
       });
     if (wrong != own + 3)
@@ -265,8 +265,8 @@ std::size_t KeepFiniteTriangles(int threads, Surface& surface)
   std::vector<std::uint8_t> areKept(surface.NumberOfPoints, 0);
   IndexArray& corners = surface.Connectivity;
   const std::size_t dropped = corners.Is64Bit
-    ? MarkFiniteTriangles(surface.Points, corners.Values64, areKept)
-    : MarkFiniteTriangles(surface.Points, corners.Values32, areKept);
+    ? MarkFiniteTriangles(surface, corners.Values64, areKept)
+    : MarkFiniteTriangles(surface, corners.Values32, areKept);
   if (std::find(areKept.begin(), areKept.end(), 0) != areKept.end())
   {
     KeepPoints([&](std::size_t point) { return areKept[point] != 0; }, threads, surface);
