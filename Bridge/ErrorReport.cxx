@@ -15,6 +15,8 @@
 #include "vtkOutputWindow.h"
 #include "vtkVersionMacros.h"
 
+#include "Ground/Base/PrintableText.h"
+
 #include <string>
 
 namespace isosurface
@@ -105,7 +107,7 @@ void MarkFailure(vtkInformationVector* output)
 
 void ReportError(vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error)
 {
-  vtkErrorWithObjectMacro(algorithm, << error.GetMessage());
+  vtkErrorWithObjectMacro(algorithm, << MakePrintable(error.GetMessage()));
   MarkFailure(output);
 }
 

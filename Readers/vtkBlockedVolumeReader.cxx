@@ -23,6 +23,7 @@
 #include "Ground/Base/BackgroundTask.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Ground/Base/PrintableText.h"
 #include "ImageSamples.h"
 #include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -258,7 +259,7 @@ bool vtkBlockedVolumeReader::OpenVolume()
   {
     this->Handle->SetError(volume.GetStatus());
     this->IsErrorTold = true;
-    vtkErrorMacro(<< volume.GetStatus().GetMessage());
+    vtkErrorMacro(<< isosurface::MakePrintable(volume.GetStatus().GetMessage()));
     return false;
   }
   (*volume)->SetLocalStores(this->LocalStores);
@@ -363,7 +364,7 @@ int vtkBlockedVolumeReader::RequestData(
     this->Handle->EndTaking();
     if (!std::exchange(this->IsErrorTold, false))
     {
-      vtkErrorMacro(<< status.GetMessage());
+      vtkErrorMacro(<< isosurface::MakePrintable(status.GetMessage()));
     }
     isosurface::MarkFailure(output);
     return 0;

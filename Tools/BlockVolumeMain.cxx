@@ -17,6 +17,7 @@
 
 #include "ControllerCommunicator.h"
 #include "Ground/Base/FileSystem.h"
+#include "Ground/Base/PrintableText.h"
 #include "Storage/Writing/GenerationFolder.h"
 
 #include <malloc.h>
@@ -83,7 +84,7 @@ int Finish(const Status& status, int rank)
   }
   if (rank == 0)
   {
-    std::fprintf(stderr, "blockvolume: %s\n", status.GetMessage().c_str());
+    std::fprintf(stderr, "blockvolume: %s\n", MakePrintable(status.GetMessage()).c_str());
   }
   return status.GetCode() == StatusCode::Aborted ? 130 : 1;
 }
@@ -91,7 +92,7 @@ int Finish(const Status& status, int rank)
 /// A rank that ends here cannot notify the others, which may wait for it.
 int FailAtOnce(const char* reason, int ranks)
 {
-  std::fprintf(stderr, "blockvolume: %s\n", reason);
+  std::fprintf(stderr, "blockvolume: %s\n", MakePrintable(reason).c_str());
   if (ranks > 1)
   {
     MPI_Abort(MPI_COMM_WORLD, 1);
@@ -212,6 +213,7 @@ int End(int code)
 
 int main(int argc, char** argv)
 {
+  OpenStandardStreams();
   ReturnLargeMemory();
   // One process needs no MPI, which takes longer to start than most commands take.
   vtkSmartPointer<vtkMPIController> controller;

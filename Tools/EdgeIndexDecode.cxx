@@ -13,6 +13,7 @@
 #include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
 #include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/PrintableText.h"
 #include "Surface/Islands/IslandKeeping.h"
 #include "SurfacePolyData.h"
 
@@ -277,7 +278,7 @@ Status RunEdgeIndexDecode(const EdgeIndexOptions& options)
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   if (!(*file)->IsComplete())
   {
-    std::fprintf(stderr, "edgeindex: warning: %s\n", (*file)->GetMissing().c_str());
+    std::fprintf(stderr, "edgeindex: warning: %s\n", MakePrintable((*file)->GetMissing()).c_str());
   }
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
   const auto isovalues = FindIsovalues((*file)->GetHeader(), options);

@@ -3,6 +3,7 @@
 #include "ProgressDisplay.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
+#include "Ground/Base/PrintableText.h"
 
 #include <nlohmann/json.hpp>
 
@@ -204,7 +205,7 @@ void Print(const Json& told)
   }
   if (told.contains("missing"))
   {
-    std::printf("missing       %s\n", told["missing"].get<std::string>().c_str());
+    std::printf("missing       %s\n", MakePrintable(told["missing"].get<std::string>()).c_str());
   }
 }
 

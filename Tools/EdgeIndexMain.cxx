@@ -7,6 +7,8 @@
 
 #include "vtkLogger.h"
 
+#include "Ground/Base/PrintableText.h"
+
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -37,7 +39,7 @@ Status Run(const Result<EdgeIndexOptions>& options)
 
 int Fail(const char* reason)
 {
-  std::fprintf(stderr, "edgeindex: %s\n", reason);
+  std::fprintf(stderr, "edgeindex: %s\n", MakePrintable(reason).c_str());
   return 1;
 }
 
@@ -45,6 +47,7 @@ int Fail(const char* reason)
 
 int main(int argc, char** argv)
 {
+  OpenStandardStreams();
   CatchStopSignals("edgeindex");
   // Errors of VTK's writers are printed in one line, like all others.
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);

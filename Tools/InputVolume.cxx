@@ -30,12 +30,14 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   const auto arrays = ChooseArrays(options.Input, file->Arrays, options.Arrays);
   ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
+  auto files = SourceFiles::Find(GetLocalFileSystem(), std::move(file->Files));
+  ISOSURFACE_RETURN_IF_ERROR(files.GetStatus());
   InputVolume volume;
+  volume.Files = std::move(*files);
   volume.Grid = file->Grid;
   volume.Lines = std::move(file->Lines);
   volume.Arrays = *arrays;
   volume.LeftOut = file->LeftOut;
-  volume.Files = std::move(file->Files);
   volume.Times = file->Times;
   if (step < file->Times.size())
   {
@@ -90,6 +92,11 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::si
     }
     volume->Grid.Spacing = options.Spacing.value_or(volume->Grid.Spacing);
     volume->Grid.Origin = options.Origin.value_or(volume->Grid.Origin);
+    if (const char* fault = volume->Lines ? nullptr : volume->Grid.FindFault())
+    {
+      return Status(StatusCode::InvalidArgument,
+        options.Input + ": its grid " + fault + "; --spacing and --origin place it");
+    }
   }
   return volume;
 }

@@ -8,6 +8,7 @@
 #include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
+#include "Storage/Store/SourceFiles.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -26,11 +27,11 @@ struct InputVolume
   std::optional<GridLines> Lines; ///< of a rectilinear grid
   std::vector<ArrayDescription> Arrays;
   std::optional<double> Time;
-  std::vector<double> Times;      ///< of all time steps that the input has; may be empty
-  std::string LeftOut;            ///< says what cannot be written; empty if everything can
-  std::vector<std::string> Files; ///< that have the samples, as far as their format tells
-  std::uint64_t HeldBytes = 0;    ///< of samples in memory
-  std::shared_ptr<void> Owner;    ///< of what the source reads from; destroyed after it
+  std::vector<double> Times;   ///< of all time steps that the input has; may be empty
+  std::string LeftOut;         ///< says what cannot be written; empty if everything can
+  std::uint64_t HeldBytes = 0; ///< of samples in memory
+  SourceFiles Files;           ///< that the samples are read from
+  std::shared_ptr<void> Owner; ///< of what the source reads from; destroyed after it
   std::unique_ptr<BoxSource> Source;
 
   /// Opens what the options name: samples without a header, a format that Core reads part by part,

@@ -3,6 +3,7 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
+#include "Ground/Base/PrintableText.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -13,8 +14,15 @@ namespace isosurface
 
 Status RunListCommand(const BlockVolumeOptions& options)
 {
-  const auto list = ListForeignVolumes(GetLocalFileSystem(), options.Input);
+  auto list = ListForeignVolumes(GetLocalFileSystem(), options.Input);
   ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
+  for (VolumeListing& entry : *list)
+  {
+    for (std::string* text : { &entry.Name, &entry.Shape, &entry.Type, &entry.Storage })
+    {
+      *text = MakePrintable(*text);
+    }
+  }
   std::size_t widths[3] = {};
   for (const VolumeListing& entry : *list)
   {

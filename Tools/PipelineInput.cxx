@@ -449,6 +449,8 @@ Result<InputVolume> OpenPipelineInput(const std::string& input, std::size_t step
   {
     return Status(StatusCode::NotFound, path + ": cannot open: No such file or directory");
   }
+  auto seen = SourceFiles::Find(GetLocalFileSystem(), files->Paths);
+  ISOSURFACE_RETURN_IF_ERROR(seen.GetStatus());
   const auto made = isStack ? MakeStackReader(files->Paths)
                             : Result<vtkSmartPointer<vtkAlgorithm>>(MakeReaderOf(path));
   ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
@@ -470,6 +472,7 @@ Result<InputVolume> OpenPipelineInput(const std::string& input, std::size_t step
   const auto slice = Read(reader, path, whole, false, withCells);
   ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
   InputVolume volume;
+  volume.Files = std::move(*seen);
   ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, slice->Image, whole, arrays, withCells, volume));
   ISOSURFACE_RETURN_IF_ERROR(TakeLines(reader, path, *slice, whole, volume));
   volume.LeftOut += (volume.LeftOut.empty() || files->LeftOut.empty() ? "" : "; ") + files->LeftOut;

@@ -20,6 +20,7 @@
 #include <linux/seccomp.h>
 #include <sched.h>
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -30,9 +31,6 @@ namespace isosurface
 {
 namespace
 {
-
-// What the process exits with if a library ends it.
-constexpr int ExitOfLibrary = 120;
 
 std::uint64_t SecondsOfProgress = 0; // of the sandbox that this process is; 0: it is none
 volatile std::sig_atomic_t WorkingProcess = 0;
@@ -249,8 +247,8 @@ Status TakeLimits(const SandboxLimits& limits)
 
 // --- The two processes ----------------------------------------------------------------------------
 
-[[noreturn]] void Work(
-  const SandboxLimits& limits, const std::function<int(const Status&)>& work, ::pid_t parent)
+[[noreturn]] void Work(const SandboxLimits& limits, const std::function<int(const Status&)>& work,
+  ::pid_t parent, volatile bool* isDone)
 {
   static_cast<void>(::prctl(PR_SET_PDEATHSIG, SIGKILL));
   if (::getppid() != parent)
@@ -263,10 +261,11 @@ Status TakeLimits(const SandboxLimits& limits)
   }
   const Status limited = TakeLimits(limits);
   SecondsOfProgress = limits.Seconds;
-  // Who calls exit() before the work is done is a library.
-  static_cast<void>(std::atexit([] { ::_exit(ExitOfLibrary); }));
+  static_cast<void>(
+    std::atexit([] { ::_exit(1); })); // what this process has of the other one stays
   const int code = work(limited);
   std::fflush(nullptr);
+  *isDone = true;
   ::_exit(code);
 }
 
@@ -278,11 +277,11 @@ void PassOn(int)
   }
 }
 
-Result<int> Explain(int ended, const SandboxLimits& limits)
+Result<int> Explain(int ended, bool isDone, const SandboxLimits& limits)
 {
   if (WIFEXITED(ended))
   {
-    if (WEXITSTATUS(ended) == ExitOfLibrary)
+    if (!isDone) // whatever the status says
     {
       return Status(StatusCode::Corrupt, "a library that read it ended the process");
     }
@@ -321,12 +320,15 @@ Result<int> RunInSandbox(
   sigaddset(&stops, SIGTERM);
   ::sigprocmask(SIG_BLOCK, &stops, &before);
   std::fflush(nullptr);
+  // Shared with the other process, which sets it when the work has returned.
+  void* const page =
+    ::mmap(nullptr, sizeof(bool), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   const ::pid_t parent = ::getpid();
-  const ::pid_t child = ::fork();
+  const ::pid_t child = page == MAP_FAILED ? -1 : ::fork();
   if (child == 0)
   {
     ::sigprocmask(SIG_SETMASK, &before, nullptr);
-    Work(limits, work, parent);
+    Work(limits, work, parent, static_cast<volatile bool*>(page));
   }
   WorkingProcess = std::max<::pid_t>(child, 0);
   struct sigaction passing = {};
@@ -347,7 +349,9 @@ Result<int> RunInSandbox(
   WorkingProcess = 0;
   ::sigaction(SIGINT, &interrupting, nullptr);
   ::sigaction(SIGTERM, &terminating, nullptr);
-  return Explain(ended, limits);
+  const bool isDone = *static_cast<volatile bool*>(page);
+  ::munmap(page, sizeof(bool));
+  return Explain(ended, isDone, limits);
 }
 
 bool IsInSandbox()

@@ -6,8 +6,25 @@
 #include <cstring>
 #include <string>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace isosurface
 {
+
+void OpenStandardStreams()
+{
+  // The lowest free number is taken.
+  int number = 0;
+  do
+  {
+    number = ::open("/dev/null", O_RDWR);
+  } while (number >= 0 && number <= STDERR_FILENO);
+  if (number >= 0)
+  {
+    ::close(number);
+  }
+}
 
 Status FlushStandardOutput()
 {

@@ -48,6 +48,7 @@ void CatchStopSignals(const char* tool)
   Catch(SIGINT, TakeStopSignal, once);
   Catch(SIGTERM, TakeStopSignal, once);
   Catch(SIGALRM, EndAtOnce, 0);
+  Catch(SIGXFSZ, SIG_IGN, 0); // a file that may not grow is an error of writing it
 }
 
 bool IsStopAsked()

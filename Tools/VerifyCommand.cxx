@@ -6,6 +6,7 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/PrintableText.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Verification/VolumeVerification.h"
 
@@ -51,11 +52,11 @@ Status RunVerifyCommand(const BlockVolumeOptions& options)
   ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
   for (const Status& fault : found->Faults)
   {
-    std::fprintf(stderr, "blockvolume: %s\n", fault.GetMessage().c_str());
+    std::fprintf(stderr, "blockvolume: %s\n", MakePrintable(fault.GetMessage()).c_str());
   }
   for (const std::string& repair : found->Repairs)
   {
-    std::fprintf(stderr, "blockvolume: %s\n", repair.c_str());
+    std::fprintf(stderr, "blockvolume: %s\n", MakePrintable(repair).c_str());
   }
   if (found->FaultCount > 0)
   {

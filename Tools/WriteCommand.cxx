@@ -7,6 +7,7 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/OutputCheck.h"
+#include "Ground/Base/PrintableText.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/ChunkedSource.h"
 #include "Storage/Store/SourceRecord.h"
@@ -61,7 +62,7 @@ Status CheckOutput(const BlockVolumeOptions& options, const InputVolume& volume)
 {
   ISOSURFACE_RETURN_IF_ERROR(
     CheckIsOther(options.Output, VolumeName::Parse(GetLocalFileSystem(), options.Input).Path));
-  for (const std::string& file : volume.Files)
+  for (const std::string& file : volume.Files.Paths)
   {
     ISOSURFACE_RETURN_IF_ERROR(CheckIsOther(options.Output, file));
   }
@@ -89,6 +90,7 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
   }
   BlockedVolumeSettings settings = options.Settings;
   settings.Lines = volume.Lines;
+  settings.Files = volume.Files;
   if (!settings.Time)
   {
     settings.Time = volume.Time;
@@ -103,7 +105,7 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
     settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
   }
   settings.Warn = [](const std::string& warning)
-  { std::fprintf(stderr, "blockvolume: warning: %s\n", warning.c_str()); };
+  { std::fprintf(stderr, "blockvolume: warning: %s\n", MakePrintable(warning).c_str()); };
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   ProgressDisplay display(options.Output, sampleBytes, isTold);
   const Progress progress = display.GetProgress();
@@ -141,7 +143,8 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
       { { steps, options.Input + ": the ranks see different numbers of time steps" } }));
   if (ranks.GetRank() == 0 && !options.IsQuiet && !volume->LeftOut.empty())
   {
-    std::fprintf(stderr, "blockvolume: %s: %s\n", options.Input.c_str(), volume->LeftOut.c_str());
+    std::fprintf(stderr, "blockvolume: %s: %s\n", options.Input.c_str(),
+      MakePrintable(volume->LeftOut).c_str());
   }
   if (steps > 1 && options.Settings.Time)
   {

@@ -20,6 +20,7 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/PrintableText.h"
 #include "ImageSamples.h"
 #include "LocalVolume.h"
 #include "PipelineSource.h"
@@ -466,7 +467,7 @@ void vtkBlockedVolumeWriter::WriteData()
     this->SetErrorCode(FindErrorCode(status));
     if (status.GetCode() != StatusCode::Aborted)
     {
-      vtkErrorMacro(<< status.GetMessage());
+      vtkErrorMacro(<< isosurface::MakePrintable(status.GetMessage()));
     }
   }
 }

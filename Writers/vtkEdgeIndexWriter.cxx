@@ -20,6 +20,7 @@
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/OutputCheck.h"
+#include "Ground/Base/PrintableText.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -193,7 +194,7 @@ void vtkEdgeIndexWriter::WriteData()
     this->SetErrorCode(FindErrorCode(status));
     if (status.GetCode() != StatusCode::Aborted)
     {
-      vtkErrorMacro(<< status.GetMessage());
+      vtkErrorMacro(<< isosurface::MakePrintable(status.GetMessage()));
     }
   }
 }

@@ -22,6 +22,7 @@
 #include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
+#include "Ground/Base/PrintableText.h"
 
 #include <algorithm>
 #include <chrono>
@@ -517,7 +518,7 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
     else if (!status.IsOk())
     {
       this->IndexText = status.GetMessage();
-      vtkErrorMacro(<< status.GetMessage());
+      vtkErrorMacro(<< isosurface::MakePrintable(status.GetMessage()));
     }
   }
   else if (this->Growing->HasLargerSample(ranks))

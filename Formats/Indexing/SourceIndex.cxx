@@ -89,6 +89,7 @@ Result<OpenedStep> OpenStep(
   opened.Settings.Distribution =
     record->Chunk ? DistributionMethod::Slab : DistributionMethod::Random;
   opened.Settings.Lines = opened.Volume.Lines;
+  opened.Settings.Files = { opened.Volume.Files, record->State };
   // Each query would decode a stream from the front, so its samples are copied.
   (record->Chunk ? opened.Settings.InPlace : opened.Settings.CopyOf) = std::move(*record);
   opened.Settings.Compression.Codec = SegmentCodec::Lz4;

@@ -81,28 +81,45 @@ bool IsGzipName(const std::string& path)
   return extension.size() >= 3 && extension.compare(extension.size() - 3, 3, ".gz") == 0;
 }
 
-/// Whether a file has so many bytes of samples. A gzip stream ends with the last 32 bits of their number.
-bool HasBytes(const RandomAccessFile& file, bool isGzip, std::uint64_t bytes)
+std::string MakeAdvice(const std::string& path)
 {
-  if (!isGzip)
-  {
-    return file.GetSize() == bytes;
-  }
-  std::uint8_t end[4];
-  return file.GetSize() >= sizeof(end) &&
-    file.Read(file.GetSize() - sizeof(end), sizeof(end), end).IsOk() &&
-    LoadLittleEndian<std::uint32_t>(end) == static_cast<std::uint32_t>(bytes);
+  return "; say what its samples are, as in " + path +
+    ":512x512x300,uint16 and perhaps ,big-endian or ,header-bytes=128";
 }
 
-/// The description that a file's name has and its size confirms; "" if there is none.
-std::string FindDescription(FileSystem& files, const std::string& path)
+/// Ok if a file has as many bytes as its name says. A gzip stream ends with the last 32 bits of their number.
+Status CheckSize(FileSystem& files, const std::string& path, const RawVolume& raw)
+{
+  const auto file = files.OpenForReading(path);
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  const std::uint64_t wanted = raw.CountBytes().value_or(0);
+  const std::uint64_t size = (*file)->GetSize();
+  std::uint8_t end[4] = {};
+  if (IsGzipName(path))
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      (*file)->Read(size - std::min<std::uint64_t>(size, sizeof(end)), sizeof(end), end));
+    return LoadLittleEndian<std::uint32_t>(end) == static_cast<std::uint32_t>(wanted)
+      ? Status::Ok()
+      : Status(StatusCode::Corrupt,
+          path + ": its stream has not the " + std::to_string(wanted) +
+            " bytes that its name says" + MakeAdvice(path));
+  }
+  return size == wanted
+    ? Status::Ok()
+    : Status(StatusCode::Corrupt,
+        path + (size < wanted ? ": truncated: has " : ": has ") + std::to_string(size) +
+          " bytes, and its name says " + std::to_string(wanted) + MakeAdvice(path));
+}
+
+/// The description that a file's name has; "" if it has none.
+std::string FindDescription(const std::string& path)
 {
   RawVolume raw;
   std::string dimensions;
   std::string type;
-  const bool isGzip = IsGzipName(path);
   const std::filesystem::path name(path);
-  const std::filesystem::path stem = isGzip ? name.stem().stem() : name.stem();
+  const std::filesystem::path stem = IsGzipName(path) ? name.stem().stem() : name.stem();
   for (const std::string& word : SplitText(stem.string(), '_'))
   {
     dimensions = TakeDimensions(word, raw) ? word : dimensions;
@@ -110,21 +127,21 @@ std::string FindDescription(FileSystem& files, const std::string& path)
   }
   const std::string description = dimensions + "," + type;
   const auto parsed = ParseDescription(description);
-  const auto bytes = parsed ? parsed->CountBytes() : std::nullopt;
-  const auto file = files.OpenForReading(path);
-  return bytes && file.IsOk() && HasBytes(**file, isGzip, *bytes) ? description : "";
+  return parsed && parsed->CountBytes() ? description : "";
 }
 
 Result<OpenedVolume> OpenRawSamples(
   FileSystem& files, const VolumeName& name, const VolumeChoice& /*choice*/)
 {
-  auto raw =
-    ParseDescription(name.Within.empty() ? FindDescription(files, name.Path) : name.Within);
+  auto raw = ParseDescription(name.Within.empty() ? FindDescription(name.Path) : name.Within);
   if (!raw)
   {
-    return Status(StatusCode::InvalidArgument,
-      name.GetText() + ": cannot be read: say what its samples are, as in " + name.Path +
-        ":512x512x300,uint16 and perhaps ,big-endian or ,header-bytes=128");
+    return Status(
+      StatusCode::InvalidArgument, name.GetText() + ": cannot be read" + MakeAdvice(name.Path));
+  }
+  if (name.Within.empty())
+  {
+    ISOSURFACE_RETURN_IF_ERROR(CheckSize(files, name.Path, *raw));
   }
   raw->Paths = { name.Path };
   raw->IsGzip = IsGzipName(name.Path);
@@ -137,10 +154,11 @@ Result<OpenedVolume> OpenRawSamples(
 
 Result<std::vector<VolumeListing>> ListRawSamples(FileSystem& files, const VolumeName& name)
 {
-  const std::string description = FindDescription(files, name.Path);
+  const std::string description = FindDescription(name.Path);
   std::vector<VolumeListing> list;
   if (const auto raw = ParseDescription(description))
   {
+    ISOSURFACE_RETURN_IF_ERROR(CheckSize(files, name.Path, *raw));
     const Index3 size = raw->Grid.GetDimensions();
     list.push_back({ description,
       std::to_string(size[2]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[0]),

@@ -145,14 +145,20 @@ Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep)
     const auto known = this->Known.try_emplace(timeStep);
     if (known.second)
     {
-      const auto state = FindStateOfAll(GetLocalFileSystem(), opened->Files);
-      ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-      known.first->second = { opened->Files, *state };
+      auto found = SourceFiles::Find(GetLocalFileSystem(), opened->Files);
+      ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+      known.first->second = std::move(*found);
       return opened;
     }
   }
   ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));
   return opened;
+}
+
+SourceFiles SourceVolume::GetSourceFiles(std::size_t timeStep)
+{
+  const std::lock_guard<std::mutex> lock(this->KnownMutex);
+  return this->Known[timeStep];
 }
 
 Status SourceVolume::CheckUnchanged(std::size_t timeStep)
@@ -282,6 +288,7 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   settings.Threads = this->Threads;
   const auto source = this->OpenSource(timeStep, this->Threads, settings.MemoryLimit);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  settings.Files = this->GetSourceFiles(timeStep);
   const auto written = BlockedVolumeWriter(alone, memory->Files)
                          .Write(path, this->Grid, this->Arrays, **source, settings, progress);
   ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());

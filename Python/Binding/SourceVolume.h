@@ -32,6 +32,7 @@ public:
   /// Its chunks are decoded by several threads.
   Result<std::unique_ptr<BoxSource>> OpenSource(
     std::size_t timeStep, int threads, std::uint64_t memoryBytes) override;
+  SourceFiles GetSourceFiles(std::size_t timeStep) override;
   /// Reads all samples of the time step into blocks in memory, unless they are there. They stay until
   /// those of another time step are read and nobody uses them. OutOfMemory if they take more than a
   /// third of the free memory.
@@ -58,13 +59,8 @@ private:
   std::vector<std::optional<double>> Times;
   Index3 Chunk{ 1, 1, 1 };
 
-  struct KnownFiles
-  {
-    std::vector<std::string> Paths;
-    FileState State;
-  };
-  std::mutex KnownMutex;                   ///< guards Known
-  std::map<std::size_t, KnownFiles> Known; ///< of time steps
+  std::mutex KnownMutex;                    ///< guards Known
+  std::map<std::size_t, SourceFiles> Known; ///< of time steps
 
   std::mutex ReadMutex; ///< guards Source
   std::size_t SourceStep = 0;

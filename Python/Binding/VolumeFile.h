@@ -10,6 +10,7 @@
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/VertexBox.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/SourceFiles.h"
 
 #include <cstddef>
 #include <memory>
@@ -68,6 +69,10 @@ public:
   /// The samples of a time step, to write another volume of, which may take so much memory.
   virtual Result<std::unique_ptr<BoxSource>> OpenSource(
     std::size_t timeStep, int threads, std::uint64_t memoryBytes) = 0;
+
+  /// The files that the samples of a time step come from, after OpenSource(). None of a blocked
+  /// volume, whose checksums tell a change.
+  virtual SourceFiles GetSourceFiles(std::size_t) { return {}; }
 
   /// The time step in blocks, to be searched for isosurfaces. `stepThere` becomes its number there.
   virtual Result<std::shared_ptr<BlockedVolume>> GetBlocks(

@@ -21,7 +21,7 @@ void VolumeWriting::WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings
     status = Attempt(this->Path,
       [&]() -> Status
       {
-        const auto source = open();
+        const auto source = open(settings);
         ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
         return writer.Write(this->Path, this->Grid, arrays, **source, settings, watch.GetProgress())
           .GetStatus();
@@ -38,7 +38,7 @@ void VolumeWriting::WriteArrays(const std::vector<ArrayDescription>& description
   ArrayLikeSource source(arrays, this->Grid.GetDimensions(), chunk);
   SerialCommunicator alone;
   BlockedVolumeWriter writer(alone);
-  const auto open = [&] { return Result<ArrayLikeSource*>(&source); };
+  const auto open = [&](BlockedVolumeSettings&) { return Result<ArrayLikeSource*>(&source); };
   this->WriteStep(writer, this->Settings, descriptions, open, [&] { source.Rethrow(); });
 }
 
@@ -52,7 +52,12 @@ void VolumeWriting::WriteFile(
   {
     settings.Time = times[step];
     settings.Publish = step + 1 == times.size();
-    const auto open = [&] { return file.OpenSource(step, settings.Threads, settings.MemoryLimit); };
+    const auto open = [&](BlockedVolumeSettings& ofStep)
+    {
+      auto source = file.OpenSource(step, settings.Threads, settings.MemoryLimit);
+      ofStep.Files = file.GetSourceFiles(step);
+      return source;
+    };
     this->WriteStep(writer, settings, file.GetArrays(), open, [] {});
     settings.Append = true;
   }

@@ -32,7 +32,7 @@ struct VolumeWriting
   void WriteFile(VolumeFile& file, const std::vector<std::optional<double>>& times) const;
 
 private:
-  /// Writes a time step of what open() gives a pointer to. The GIL is held, and released meanwhile;
+  /// Writes a time step of what open(settings) gives a pointer to. The GIL is held, and released meanwhile;
   /// rethrow() is called with it afterwards, and may throw what the source has raised.
   template <typename OpenT>
   void WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings settings,

@@ -104,6 +104,8 @@ TEST_F(SandboxTest, TellsHowTheWorkEndedWithoutItsResult)
   EXPECT_NE(this->Message.find("was killed"), std::string::npos);
   EXPECT_EQ(this->Run([]() -> int { std::exit(0); }), -1);
   EXPECT_NE(this->Message.find("ended the process"), std::string::npos);
+  EXPECT_EQ(this->Run([]() -> int { ::_exit(0); }), -1);
+  EXPECT_NE(this->Message.find("ended the process"), std::string::npos);
 }
 
 TEST_F(SandboxTest, EndsWhatTakesTimeAndDoesNotComeForward)

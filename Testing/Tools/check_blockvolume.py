@@ -537,6 +537,43 @@ class ErrorsAreOneLine(Case):
         for spacing in ("0,1,1", "1,nan,1", "1,1,inf"):
             self.check("pacing", os.path.join(INPUTS, "a.mhd"), "o.bvol", "--spacing", spacing)
 
+    def test_a_grid_of_a_file_is_told_with_the_name_of_the_file(self):
+        header = "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspacings: 0 1 1\nencoding: raw\n\n"
+        with open(os.path.join(SCRATCH, "flat.nrrd"), "wb") as file:
+            file.write(header.encode() + bytes(64))
+        self.check("flat.nrrd: ", "flat.nrrd", "o.bvol")
+
+    def test_names_in_a_file_give_a_terminal_no_orders(self):
+        with open(os.path.join(SCRATCH, "evil.mhd"), "wb") as file:
+            file.write(b"ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\n"
+                       b"ElementDataFile = \x1b]0;owned\x07.raw\n")
+        code, _, err = run("evil.mhd", "o.bvol")
+        self.assertEqual(code, 1)
+        self.assertIn("\\x1b]0;owned\\x07", err)
+        self.assertNotIn("\x1b]", err)
+
+    def test_a_limit_of_file_sizes_is_told_and_leaves_the_older_volume(self):
+        path = self.write(os.path.join(INPUTS, "a.mhd"), "o.bvol")
+        limited = subprocess.run(["sh", "-c", 'ulimit -f 64; exec "$@"', "sh", TOOL, os.path.join(INPUTS, "a.mhd"),
+                                  path, "--quiet"], cwd=SCRATCH, capture_output=True, text=True, timeout=WAIT_SECONDS)
+        self.assertEqual(limited.returncode, 1, limited.stderr)
+        self.assertRegex(limited.stderr, r"\Ablockvolume: .*: File too large\n\Z")
+        self.assertEqual(run("--verify", path, "--quiet"), (0, "", ""))
+        os.remove(path)
+
+    def test_closed_standard_streams_change_nothing(self):
+        expected = self.write(os.path.join(INPUTS, "a.mhd"), "o.bvol")
+        for streams in ("0", "1", "2", "0 1 2"):
+            with self.subTest(streams=streams):
+                remove_volume(os.path.join(SCRATCH, "closed.bvol"))
+                closing = " ".join(f"{number}{'<' if number == '0' else '>'}&-" for number in streams.split())
+                code = subprocess.run(
+                    ["sh", "-c", f'exec "$@" {closing}', "sh", TOOL, os.path.join(INPUTS, "a.mhd"),
+                     os.path.join(SCRATCH, "closed.bvol")], timeout=WAIT_SECONDS).returncode
+                self.assertEqual(code, 0)
+                self.assert_equal_volumes(os.path.join(SCRATCH, "closed.bvol"), expected)
+        os.remove(expected)
+
     def test_an_older_volume_survives(self):
         path = self.write(os.path.join(INPUTS, "a.mhd"), "o.bvol")
         self.check("truncated", os.path.join(INPUTS, "a.raw"), "o.bvol", "--dimensions", "70,67,1500")

@@ -48,7 +48,16 @@ int OpenUninterrupted(const std::string& path, int flags)
   {
     number = ::open(path.c_str(), flags, 0666);
   } while (number < 0 && errno == EINTR);
-  return number;
+  if (number < 0 || number > STDERR_FILENO)
+  {
+    return number;
+  }
+  // Where standard input, output or error is closed, a file would get what is printed.
+  const int above = ::fcntl(number, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const int error = errno;
+  ::close(number);
+  errno = error;
+  return above;
 }
 
 Status MakeSystemError(const std::string& path, const char* action, int error)
@@ -170,7 +179,9 @@ Result<std::shared_ptr<Descriptor>> PooledFile::OpenPath(int flags, const char* 
   }
   if (number < 0)
   {
-    return MakeSystemError(this->Path, action, errno);
+    return errno == ELOOP && (flags & O_NOFOLLOW) != 0
+      ? MakeKindError(this->Path, action, "it is a link, and nothing is written through one")
+      : MakeSystemError(this->Path, action, errno);
   }
   return std::make_shared<Descriptor>(number);
 }

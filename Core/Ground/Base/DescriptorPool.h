@@ -107,7 +107,7 @@ private:
   std::list<PooledFile*>::iterator Place; ///< in the pool's list, if Current is there
 };
 
-/// open(2) with mode 0666, again if a signal interrupts it.
+/// open(2), mode 0666, again if a signal interrupts it; never with the number of a standard stream.
 int OpenUninterrupted(const std::string& path, int flags);
 
 /// An error of the system, with the path and the system's words for it.

@@ -214,6 +214,17 @@ private:
   int Descriptor;
 };
 
+/// Removes a name that leads to a file of another name, by a symbolic or a hard link: somebody else may
+/// have put it where a file is about to be written.
+Status RemoveLink(const std::string& path)
+{
+  struct stat there = {};
+  const bool isLink = ::lstat(path.c_str(), &there) == 0 &&
+    (S_ISLNK(there.st_mode) || (S_ISREG(there.st_mode) && there.st_nlink > 1));
+  return isLink && ::unlink(path.c_str()) != 0 ? MakeSystemError(path, "remove the link", errno)
+                                               : Status::Ok();
+}
+
 /// Adds the state of a file, or of all files in a folder. Returns the system's error, or 0.
 int AddState(const std::string& path, FileState& state)
 {
@@ -261,18 +272,19 @@ public:
 
   Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override
   {
-    return this->OpenForWriting(path, O_RDWR | O_CREAT | O_TRUNC, "create");
+    ISOSURFACE_RETURN_IF_ERROR(RemoveLink(path));
+    return this->OpenForWriting(path, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW, "create");
   }
 
   Result<std::unique_ptr<WritableFile>> OpenForUpdate(const std::string& path) override
   {
-    return this->OpenForWriting(path, O_RDWR, "open");
+    return this->OpenForWriting(path, O_RDWR | O_NOFOLLOW, "open");
   }
 
   Result<std::unique_ptr<WritableFile>> OpenForAppending(
     const std::string& path, std::uint64_t size) override
   {
-    auto file = PooledFile::Open(this->Descriptors, path, O_RDWR, "open");
+    auto file = PooledFile::Open(this->Descriptors, path, O_RDWR | O_NOFOLLOW, "open");
     ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
     auto writable = std::make_unique<LocalWritableFile>(std::move(*file));
     ISOSURFACE_RETURN_IF_ERROR(writable->CutTo(size));
@@ -310,8 +322,9 @@ public:
 
   bool Exists(const std::string& path) override
   {
+    // What nobody may look at is told by whoever opens it.
     std::error_code error;
-    return std::filesystem::exists(path, error);
+    return std::filesystem::exists(path, error) || error == std::errc::permission_denied;
   }
 
   Result<std::vector<std::string>> List(const std::string& path) override
@@ -355,8 +368,14 @@ public:
   {
     for (;;)
     {
+      std::error_code error;
+      if (std::filesystem::is_symlink(path, error))
+      {
+        return Status(StatusCode::IoError,
+          path + ": cannot be locked: it is a link, and nothing is written through one");
+      }
       ISOSURFACE_RETURN_IF_ERROR(this->MakeDirectories(path));
-      auto lock = this->TryToLock(path, O_RDONLY | O_DIRECTORY);
+      auto lock = this->TryToLock(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW);
       if (!lock.IsOk() || *lock)
       {
         return lock;
@@ -368,8 +387,9 @@ public:
   {
     for (;;)
     {
+      ISOSURFACE_RETURN_IF_ERROR(RemoveLink(path));
       ISOSURFACE_RETURN_IF_ERROR(CheckRegularFile(path, "create"));
-      auto lock = this->TryToLock(path, O_RDWR | O_CREAT | O_NONBLOCK);
+      auto lock = this->TryToLock(path, O_RDWR | O_CREAT | O_NONBLOCK | O_NOFOLLOW);
       if (!lock.IsOk() || *lock)
       {
         return lock;

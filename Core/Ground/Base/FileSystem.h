@@ -68,8 +68,8 @@ struct FileState
 };
 
 /**
- * All reading and writing in Core goes through this interface, so that tests can replace it by a
- * disk that fails. Errors name the path and the system's reason.
+ * All I/O of Core goes through it, so that tests can replace it by a disk that fails. Errors name path
+ * and reason. A link, perhaps a stranger's, is never written through: a created file replaces it.
  */
 class FileSystem
 {
@@ -100,7 +100,7 @@ public:
   virtual bool Exists(const std::string& path) = 0;
   /// The names (not paths) in a folder, sorted; none if the folder does not exist.
   virtual Result<std::vector<std::string>> List(const std::string& path) = 0;
-  /// Creates the folder if necessary and locks it. IoError if another program holds the lock.
+  /// Creates the folder if necessary and locks it. IoError for a link, or if another program has it.
   virtual Result<std::unique_ptr<PathLock>> LockFolder(const std::string& path)
   {
     ISOSURFACE_RETURN_IF_ERROR(this->MakeDirectories(path));

@@ -5,6 +5,7 @@
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/JsonDocument.h"
+#include "Storage/Store/SourceFiles.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -237,6 +238,13 @@ Result<FileState> FindStateOfAll(FileSystem& files, const std::vector<std::strin
     all.Bytes += state->Bytes;
   }
   return all;
+}
+
+Result<SourceFiles> SourceFiles::Find(FileSystem& files, std::vector<std::string> paths)
+{
+  auto state = FindStateOfAll(files, paths);
+  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+  return SourceFiles{ std::move(paths), *state };
 }
 
 std::string MakeRelativePath(const std::string& header, const std::string& path)

@@ -36,15 +36,28 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& f
 
 Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Open(FileSystem& files,
   const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place,
-  std::vector<BlockDirectoryEntry> entries, std::uint64_t bytes, std::uint64_t checksum)
+  std::vector<BlockDirectoryEntry> entries, const StoreCheckpoint& checkpoint)
 {
-  auto blocksFile = files.OpenForAppending(StoreRecords::GetPath(folder), bytes);
+  std::vector<std::uint64_t> ends;
+  for (std::size_t next = 1; next <= entries.size(); ++next)
+  {
+    ends.push_back(next < entries.size() ? entries[next].Offset : checkpoint.BlocksBytes);
+    if (ends.back() < entries[next - 1].Offset)
+    {
+      return Status(StatusCode::Corrupt, folder + ": its journal is damaged");
+    }
+  }
+  const std::string path = StoreRecords::GetPath(folder);
+  const AppendedSum sum(checkpoint.BlocksSum);
+  ISOSURFACE_RETURN_IF_ERROR(sum.Check(files, path, ends));
+  auto blocksFile = files.OpenForAppending(path, checkpoint.BlocksBytes);
   ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
   std::unique_ptr<BlockStoreWriter> writer(
     new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
   writer->Entries.insert(writer->Entries.end(), std::make_move_iterator(entries.begin()),
     std::make_move_iterator(entries.end()));
-  writer->Checksum = checksum;
+  writer->Checksum = checkpoint.BlocksChecksum;
+  writer->Sum = sum;
   return writer;
 }
 
@@ -60,8 +73,14 @@ Status BlockStoreWriter::Append(const PendingBlock& block)
   this->Checksum = ComputeChecksum(checksums.data(), checksums.size() * sizeof(checksums[0]));
   return this->Place == SamplePlace::Source
     ? this->AppendHeaders(block)
-    : this->Blocks->Append(
+    : this->AppendBytes(
         block.Record.GetData(), static_cast<std::size_t>(BlockRecord::AlignUp(block.Layout.Size)));
+}
+
+Status BlockStoreWriter::AppendBytes(const std::uint8_t* bytes, std::size_t size)
+{
+  this->Sum.Add(bytes, size);
+  return this->Blocks->Append(bytes, size);
 }
 
 Status BlockStoreWriter::AppendHeaders(const PendingBlock& block)
@@ -72,7 +91,7 @@ Status BlockStoreWriter::AppendHeaders(const PendingBlock& block)
     const std::uint8_t* header = block.Record.GetData() + offset;
     headers.insert(headers.end(), header, header + BlockRecord::SegmentHeaderSize);
   }
-  return this->Blocks->Append(headers.data(), headers.size());
+  return this->AppendBytes(headers.data(), headers.size());
 }
 
 Result<StoreDescription> BlockStoreWriter::Finish(const ArrayVariables& variables,

@@ -8,6 +8,7 @@
 #include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Writing/BlockExchange.h"
+#include "Storage/Writing/StoreJournal.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -30,11 +31,11 @@ public:
   static Result<std::unique_ptr<BlockStoreWriter>> Create(FileSystem& files,
     const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place);
 
-  /// Goes on with a store whose first `entries` were appended by another writer, which left so many
-  /// bytes of records. Their checksum is GetChecksum() of that writer.
+  /// Goes on with a store whose first `entries` were appended by another writer, as it left them in
+  /// `checkpoint`. Corrupt if the records are not those.
   static Result<std::unique_ptr<BlockStoreWriter>> Open(FileSystem& files,
     const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place,
-    std::vector<BlockDirectoryEntry> entries, std::uint64_t bytes, std::uint64_t checksum);
+    std::vector<BlockDirectoryEntry> entries, const StoreCheckpoint& checkpoint);
 
   /// Appends a record whose segments are sealed.
   Status Append(const PendingBlock& block);
@@ -45,6 +46,7 @@ public:
   /// Of the records appended so far.
   std::uint64_t GetBytes() const { return this->Blocks->GetSize(); }
   std::uint64_t GetChecksum() const { return this->Checksum; }
+  const AppendedSum& GetSum() const { return this->Sum; }
   /// Brings the records appended so far to stable storage.
   Status Sync() { return this->Blocks->Sync(); }
 
@@ -63,6 +65,7 @@ private:
   BlockStoreWriter(FileSystem& files, std::string folder, std::size_t segments,
     std::unique_ptr<WritableFile> blocksFile, std::size_t blocks, SamplePlace place);
   Status AppendHeaders(const PendingBlock& block);
+  Status AppendBytes(const std::uint8_t* bytes, std::size_t size);
   /// Returns the tree's seal.
   Result<std::uint64_t> WriteTree(const std::string& path, std::uint64_t identity,
     const std::vector<KeyRange>& ranges, std::size_t memoryBytes) const;
@@ -74,6 +77,7 @@ private:
   std::unique_ptr<WritableFile> Blocks;
   std::vector<BlockDirectoryEntry> Entries;
   std::uint64_t Checksum = 0;
+  AppendedSum Sum; ///< of the file of records
 };
 
 } // namespace isosurface

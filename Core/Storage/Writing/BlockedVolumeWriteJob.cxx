@@ -2,6 +2,7 @@
 #include "Storage/Writing/BlockedVolumeWriteJob.h"
 
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Writing/GenerationFolder.h"
 #include "Storage/Writing/VolumePlan.h"
@@ -77,6 +78,8 @@ Status BlockedVolumeWriteJob::WriteVolume(const GridGeometry& grid,
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->Write());
   this->Statistics = this->Volume->GetStatistics();
   ISOSURFACE_RETURN_IF_ERROR(this->WriteOverviews());
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->Context.AgreeOn(this->Context.Attempt([&] { return this->CheckSourceFiles(); })));
   return this->Commit();
 }
 
@@ -192,7 +195,15 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(plan)));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckEqualArguments(fingerprint));
+  const FileState& source = this->Context.Settings.Files.State;
+  Fingerprint files;
+  files.AddNumber(source.Files);
+  files.AddNumber(source.Bytes);
+  files.AddNumber(static_cast<std::uint64_t>(source.Modified));
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->CheckEqual(files.Get(), "the ranks see different files of the source"));
+  ISOSURFACE_RETURN_IF_ERROR(
+    this->CheckEqual(fingerprint, "the ranks disagree about grid, arrays or settings"));
   return this->Volume->Prepare();
 }
 
@@ -215,15 +226,24 @@ std::uint64_t BlockedVolumeWriteJob::ComputeFingerprint(const BlockedVolumeHeade
   return ComputeChecksum(text.data(), text.size());
 }
 
-Status BlockedVolumeWriteJob::CheckEqualArguments(std::uint64_t fingerprint) const
+Status BlockedVolumeWriteJob::CheckEqual(std::uint64_t mine, const char* reason) const
 {
-  std::vector<std::uint64_t> minimum = { fingerprint };
-  std::vector<std::uint64_t> maximum = { fingerprint };
+  std::vector<std::uint64_t> minimum = { mine };
+  std::vector<std::uint64_t> maximum = { mine };
   this->Context.Ranks.ReduceMinimum(minimum);
   this->Context.Ranks.ReduceMaximum(maximum);
-  return minimum == maximum
-    ? Status::Ok()
-    : this->Context.MakeRefusal("the ranks disagree about grid, arrays or settings");
+  return minimum == maximum ? Status::Ok() : this->Context.MakeRefusal(reason);
+}
+
+Status BlockedVolumeWriteJob::CheckSourceFiles() const
+{
+  const SourceFiles& source = this->Context.Settings.Files;
+  const auto state = FindStateOfAll(this->Context.Files, source.Paths);
+  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
+  return *state == source.State ? Status::Ok()
+                                : Status(StatusCode::Corrupt,
+                                    source.Paths.front() + ": was changed while it was read for " +
+                                      this->Context.Path + "; start again");
 }
 
 Status BlockedVolumeWriteJob::MakeGeneration()

@@ -64,7 +64,9 @@ private:
   Status CheckBox(const GridGeometry& grid) const;
   /// A checksum of all that has to be the same on all ranks.
   std::uint64_t ComputeFingerprint(const BlockedVolumeHeader& header) const;
-  Status CheckEqualArguments(std::uint64_t fingerprint) const;
+  /// InvalidArgument for this reason if the ranks have different numbers.
+  Status CheckEqual(std::uint64_t mine, const char* reason) const;
+  Status CheckSourceFiles() const;
   Status MakeGeneration();
   Status WriteOverviews();
   Result<std::unique_ptr<ResolutionWriter>> WriteOverview(

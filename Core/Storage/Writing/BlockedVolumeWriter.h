@@ -14,6 +14,7 @@
 #include "Storage/Record/BlockCompression.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/FinishedBlocks.h"
+#include "Storage/Store/SourceFiles.h"
 
 #include <cstdint>
 #include <functional>
@@ -49,6 +50,9 @@ struct BlockedVolumeSettings
   std::optional<SourceRecord> InPlace;
   /// Of a volume that is not in place: what its samples are copied from, to be kept in the header.
   std::optional<SourceRecord> CopyOf;
+  /// What the samples are read from, if these are files. It is an error of all ranks if they see
+  /// different ones, or if one has changed by the end of the write.
+  SourceFiles Files;
   /// Whether the time step is visible at the end. If not, it becomes visible together with the next
   /// one that the same writer appends and publishes.
   bool Publish = true;

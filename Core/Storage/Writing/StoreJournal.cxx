@@ -5,6 +5,7 @@
 #include "Ground/Base/Coding.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace isosurface
@@ -60,6 +61,39 @@ Status ReadWhole(const RandomAccessFile& file, std::uint64_t offset, std::uint64
 
 } // namespace
 
+void AppendedSum::Add(const void* bytes, std::size_t size)
+{
+  this->Sum = ComputeChecksum(bytes, size, this->Sum);
+}
+
+Status AppendedSum::Check(
+  FileSystem& files, const std::string& path, const std::vector<std::uint64_t>& ends) const
+{
+  constexpr std::uint64_t bytesAtOnce = std::uint64_t{ 1 } << 20;
+  const auto file = files.OpenForReading(path);
+  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  AppendedSum found;
+  Bytes bytes;
+  std::uint64_t begin = 0;
+  for (auto next = ends.begin(); next != ends.end();)
+  {
+    const auto first = next;
+    while (next != ends.end() && (next == first || *next - begin <= bytesAtOnce))
+    {
+      ++next;
+    }
+    const std::uint64_t end = *std::prev(next);
+    ISOSURFACE_RETURN_IF_ERROR(ReadWhole(**file, begin, end - begin, bytes));
+    std::uint64_t portion = begin;
+    for (auto at = first; at != next; portion = *at++)
+    {
+      found.Add(bytes.data() + (portion - begin), static_cast<std::size_t>(*at - portion));
+    }
+    begin = end;
+  }
+  return found.Sum == this->Sum ? Status::Ok() : Status(StatusCode::Corrupt, path + ": is damaged");
+}
+
 Status StoreJournal::AppendEntries(
   const std::vector<BlockDirectoryEntry>& entries, const std::vector<std::vector<KeyRange>>& ranges)
 {
@@ -102,8 +136,9 @@ Status StoreJournal::Add(std::int64_t number, const StoreCheckpoint& checkpoint,
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AppendEntries(entries, ranges));
   Bytes bytes(sizeof(std::uint64_t));
-  for (const std::uint64_t value : { checkpoint.BlocksBytes, checkpoint.BlocksChecksum,
-         checkpoint.OverviewBytes, this->EntriesBytes, this->EntriesChecksum })
+  for (const std::uint64_t value :
+    { checkpoint.BlocksBytes, checkpoint.BlocksChecksum, checkpoint.BlocksSum,
+      checkpoint.OverviewBytes, checkpoint.OverviewSum, this->EntriesBytes, this->EntriesChecksum })
   {
     AppendLittleEndian(bytes, value);
   }
@@ -141,7 +176,9 @@ Result<StoreCheckpoint> StoreJournal::Take(std::int64_t number, std::size_t segm
   StoreCheckpoint checkpoint;
   checkpoint.BlocksBytes = reader.Read<std::uint64_t>();
   checkpoint.BlocksChecksum = reader.Read<std::uint64_t>();
+  checkpoint.BlocksSum = reader.Read<std::uint64_t>();
   checkpoint.OverviewBytes = reader.Read<std::uint64_t>();
+  checkpoint.OverviewSum = reader.Read<std::uint64_t>();
   this->EntriesBytes = reader.Read<std::uint64_t>();
   const auto entriesChecksum = reader.Read<std::uint64_t>();
   for (std::size_t variable = 0; variable < ranges.size(); ++variable)

@@ -21,9 +21,32 @@ struct StoreCheckpoint
 {
   std::uint64_t BlocksBytes = 0;      ///< of the file of records
   std::uint64_t BlocksChecksum = 0;   ///< BlockStoreWriter::GetChecksum()
+  std::uint64_t BlocksSum = 0;        ///< AppendedSum of the file of records
   std::uint64_t OverviewBytes = 0;    ///< of the samples of the next overview
+  std::uint64_t OverviewSum = 0;      ///< AppendedSum of these samples
   std::vector<KeyRange> FiniteRanges; ///< per variable
   std::vector<std::uint8_t> Spectra;  ///< StoreSpectra::PackSums()
+};
+
+/// A checksum of what was appended to a file, portion by portion.
+class AppendedSum
+{
+public:
+  AppendedSum() = default;
+  explicit AppendedSum(std::uint64_t sum)
+    : Sum(sum)
+  {
+  }
+  void Add(const void* bytes, std::size_t size);
+  std::uint64_t Get() const { return this->Sum; }
+
+  /// Corrupt unless the file begins with the same portions, which end at these offsets. Cost: reading
+  /// them.
+  Status Check(
+    FileSystem& files, const std::string& path, const std::vector<std::uint64_t>& ends) const;
+
+private:
+  std::uint64_t Sum = 0;
 };
 
 /**

@@ -101,26 +101,45 @@ Status WrittenStores::TakeOne(
     return Status(StatusCode::Corrupt, this->GetStorePath(store) + ": its journal is of others");
   }
   counts.AddFiniteRanges(taken->FiniteRanges);
-  auto writer = BlockStoreWriter::Open(files, this->GetStorePath(store), this->Segments,
-    this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
-    std::move(entries), taken->BlocksBytes, taken->BlocksChecksum);
-  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
-  open.Writer = std::move(*writer);
   if (this->HasCoarser)
   {
-    auto samples = files.OpenForAppending(
-      OverviewSource::GetPath(this->GetFolder(), store), taken->OverviewBytes);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    open.OverviewSamples = std::move(*samples);
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeOverviewSamples(store, entries, *taken));
   }
+  auto writer = BlockStoreWriter::Open(files, this->GetStorePath(store), this->Segments,
+    this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
+    std::move(entries), *taken);
+  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
+  open.Writer = std::move(*writer);
   return Status::Ok();
 }
 
-Status WrittenStores::Append(const PendingBlock& block) const
+Status WrittenStores::TakeOverviewSamples(std::uint32_t store,
+  const std::vector<BlockDirectoryEntry>& entries, const StoreCheckpoint& checkpoint)
 {
-  const OpenStore& store = this->Stores.at(block.Store);
+  const std::size_t vertexBytes = SumValueSizes(this->Variables.GetStoredTypes());
+  std::vector<std::uint64_t> ends;
+  for (const BlockDirectoryEntry& entry : entries)
+  {
+    const VertexBox part = FindOverviewPart(this->Grid, entry.Block);
+    ends.push_back((ends.empty() ? 0 : ends.back()) +
+      static_cast<std::uint64_t>(part.GetNumberOfVertices()) * vertexBytes);
+  }
+  const std::string path = OverviewSource::GetPath(this->GetFolder(), store);
+  OpenStore& open = this->Stores[store];
+  open.OverviewSum = AppendedSum(checkpoint.OverviewSum);
+  ISOSURFACE_RETURN_IF_ERROR(open.OverviewSum.Check(this->Context.Files, path, ends));
+  auto samples = this->Context.Files.OpenForAppending(path, checkpoint.OverviewBytes);
+  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  open.OverviewSamples = std::move(*samples);
+  return Status::Ok();
+}
+
+Status WrittenStores::Append(const PendingBlock& block)
+{
+  OpenStore& store = this->Stores.at(block.Store);
   if (store.OverviewSamples)
   {
+    store.OverviewSum.Add(block.OverviewSamples.data(), block.OverviewSamples.size());
     ISOSURFACE_RETURN_IF_ERROR(
       store.OverviewSamples->Append(block.OverviewSamples.data(), block.OverviewSamples.size()));
   }
@@ -154,10 +173,12 @@ Status WrittenStores::AddCheckpoints(std::int64_t number, const BlockCounts& cou
     ISOSURFACE_RETURN_IF_ERROR(open.Writer->Sync());
     checkpoint.BlocksBytes = open.Writer->GetBytes();
     checkpoint.BlocksChecksum = open.Writer->GetChecksum();
+    checkpoint.BlocksSum = open.Writer->GetSum().Get();
     if (open.OverviewSamples)
     {
       ISOSURFACE_RETURN_IF_ERROR(open.OverviewSamples->Sync());
       checkpoint.OverviewBytes = open.OverviewSamples->GetSize();
+      checkpoint.OverviewSum = open.OverviewSum.Get();
     }
     checkpoint.Spectra = counts.GetSpectra().PackSums(store);
     ISOSURFACE_RETURN_IF_ERROR(

@@ -45,7 +45,7 @@ public:
   Status Take(const WriteJournal& journal, BlockCounts& counts);
 
   /// Appends a finished block to its store. Blocks come in the order of their numbers.
-  Status Append(const PendingBlock& block) const;
+  Status Append(const PendingBlock& block);
   /// Brings all that is known of the blocks to stable storage, as a checkpoint of this number.
   Status AddCheckpoints(std::int64_t number, const BlockCounts& counts) const;
   std::vector<std::uint32_t> GetNumbers() const;
@@ -65,11 +65,14 @@ private:
   {
     std::unique_ptr<BlockStoreWriter> Writer;
     std::unique_ptr<WritableFile> OverviewSamples; ///< null without a coarser grid
-    std::unique_ptr<StoreJournal> Journal;         ///< null without a journal
+    AppendedSum OverviewSum;
+    std::unique_ptr<StoreJournal> Journal; ///< null without a journal
   };
 
   Status TakeOne(
     std::uint32_t store, std::size_t blocks, std::int64_t checkpoint, BlockCounts& counts);
+  Status TakeOverviewSamples(std::uint32_t store, const std::vector<BlockDirectoryEntry>& entries,
+    const StoreCheckpoint& checkpoint);
   /// How many blocks before `end` each store has.
   std::vector<std::size_t> CountBlocks(std::int64_t end) const;
   SamplePlace GetSamplePlace() const

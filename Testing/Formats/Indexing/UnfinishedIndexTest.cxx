@@ -299,29 +299,33 @@ TEST(UnfinishedIndex, IsWrittenAnewIfTheSourceHasChangedOrTheJournalIsDamaged)
   EXPECT_GT(damaged, 5);
 }
 
-TEST(UnfinishedIndex, IsWrittenAnewAfterAnErrorIfTheSamplesOfItsCoarserLevelsAreDamaged)
+TEST(UnfinishedIndex, IsWrittenAnewIfAnyByteOfItsBlocksOrOfTheSamplesOfCoarserLevelsIsDamaged)
 {
-  for (const int ranks : { 1, 3 })
+  for (const bool isCopied : { false, true })
   {
-    LockingDisk disk;
-    SetSources(disk, 1);
-    EXPECT_FALSE(WriteByRanks(disk, "/data", ranks, 1, StopAtCall(4)).IsOk());
-    int damaged = 0;
-    for (const auto& [path, bytes] : disk.GetFiles())
+    const auto expected = WriteAtOnce(3, 1, isCopied);
+    for (const std::string name : { "blocks", "overview-samples" })
     {
-      if (path.find("overview-samples") != std::string::npos)
+      for (const double place : { 0.0, 0.4, 1.0 })
       {
-        bytes->assign(bytes->size(), 0x7f);
-        ++damaged;
+        SCOPED_TRACE(name + (isCopied ? " of a copy, at " : ", at ") + std::to_string(place));
+        LockingDisk disk;
+        SetSources(disk, 1);
+        EXPECT_FALSE(WriteByRanks(disk, "/data", 3, 1, StopAtCall(4), isCopied).IsOk());
+        int damaged = 0;
+        for (const auto& [path, bytes] : disk.GetFiles())
+        {
+          if (path.find("/" + name) != std::string::npos && !bytes->empty())
+          {
+            (*bytes)[static_cast<std::size_t>(place * static_cast<double>(bytes->size() - 1))] ^= 1;
+            ++damaged;
+          }
+        }
+        ASSERT_GT(damaged, 0);
+        EXPECT_GE(Finish(disk, 3, 1, isCopied), 1);
+        EXPECT_EQ(disk.Copy(), expected);
       }
     }
-    ASSERT_GT(damaged, 0);
-    const Status status = WriteByRanks(disk, "/data", ranks, 1, GoOn);
-    EXPECT_EQ(status.GetCode(), StatusCode::Corrupt) << status.GetMessage();
-    EXPECT_NE(status.GetMessage().find("temporary files are damaged"), std::string::npos);
-    EXPECT_EQ(disk.Copy().size(), 2u) << "the source alone is left";
-    Finish(disk, ranks, 1);
-    EXPECT_EQ(disk.Copy(), WriteAtOnce(ranks, 1));
   }
 }
 

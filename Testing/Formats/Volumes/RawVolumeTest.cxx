@@ -189,7 +189,9 @@ TEST(RawSamples, WithoutADescriptionAreAnErrorThatTellsHow)
 {
   MemoryDisk disk;
   WriteFile(disk, "/data/a_9x7x5_uint16.raw", Bytes(629)); // 9 x 7 x 5 samples are 630 bytes
-  for (const char* within : { "", ":9x7x5", ":9x7,uint16", ":9x7x0,uint16", ":9x7x5,uint15",
+  ExpectError(OpenForeignVolume(disk, "/data/a_9x7x5_uint16.raw").GetStatus(), StatusCode::Corrupt,
+    "truncated: has 629 bytes, and its name says 630");
+  for (const char* within : { ":9x7x5", ":9x7,uint16", ":9x7x0,uint16", ":9x7x5,uint15",
          ":9x7x5,uint8,little", ":9x7x5,uint8,header-bytes=-1", ":9x7x5x2,uint8" })
   {
     const auto opened = OpenForeignVolume(disk, std::string("/data/a_9x7x5_uint16.raw") + within);

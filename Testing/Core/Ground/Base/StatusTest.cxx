@@ -2,6 +2,7 @@
 #include "Ground/Base/Status.h"
 #include "Fixtures/Require.h"
 #include "Ground/Base/DescriptorPool.h"
+#include "Ground/Base/PrintableText.h"
 
 #include <gtest/gtest.h>
 
@@ -64,3 +65,12 @@ TEST(Status, OnlyADiskWithoutRoomIsAFullDisk)
 }
 
 } // namespace
+
+TEST(PrintableText, HasNothingThatATerminalObeys)
+{
+  EXPECT_EQ(MakePrintable("a\x1b]0;title\x07 b\r\x7f\nc"), "a\\x1b]0;title\\x07 b\\x0d\\x7f\nc");
+  EXPECT_EQ(MakePrintable("\xc2\x9b"
+                          "31m \xc2\xb5m \xe2\x80\x9c"),
+    "\\x9b31m \xc2\xb5m \xe2\x80\x9c");
+  EXPECT_EQ(MakePrintable(std::string("\0", 1) + "\xc2"), "\\x00\xc2");
+}

@@ -105,6 +105,54 @@ TEST(BlockedVolumeWriter, ReadsEachSampleOnceUnlessRangesDecideWhereBlocksAre)
   }
 }
 
+TEST(BlockedVolumeWriter, FailsOnAllRanksIfASourceChangesOrIsAnotherOneSomewhere)
+{
+  const auto volume = MakeVolume<float>({ 40, 33, 36 });
+  const std::string path = "/data/scan.raw";
+  for (const bool isChanged : { true, false })
+  {
+    MemoryDisk disk;
+    disk.SetFile(path, MemoryDisk::Bytes(100));
+    const auto write = [&](Communicator& ranks, bool isFaulty)
+    {
+      BlockedVolumeSettings settings = MakeSettings(16, 2, DistributionMethod::Slab);
+      settings.Files = Require(SourceFiles::Find(disk, { path }));
+      settings.Files.State.Modified += isFaulty && !isChanged ? ranks.GetRank() : 0;
+      MemorySource source({ volume.GetView().Box, { volume.GetView() } });
+      return BlockedVolumeWriter(ranks, disk)
+        .Write(VolumePath, MakeGeometry(volume.GetDimensions()),
+          { { "density", ValueType::Float32 } }, source, settings,
+          [&](double)
+          {
+            if (isFaulty && isChanged && ranks.GetRank() == 0)
+            {
+              disk.SetModified(path, 7);
+            }
+            return true;
+          })
+        .GetStatus();
+    };
+    const auto writeAll = [&](bool isFaulty)
+    {
+      return ThreadCommunicator::Collect(
+        3, [&](Communicator& ranks) { return write(ranks, isFaulty); });
+    };
+    for (const Status& status : writeAll(false))
+    {
+      ASSERT_TRUE(status.IsOk()) << status.GetMessage();
+    }
+    const auto before = disk.Copy();
+    for (const Status& status : writeAll(true))
+    {
+      EXPECT_NE(status.GetMessage().find(isChanged ? path + ": was changed while it was read"
+                                                   : "the ranks see different files"),
+        std::string::npos)
+        << status.GetMessage();
+    }
+    EXPECT_EQ(disk.Copy(), before);
+  }
+}
+
 TEST(BlockedVolumeWriter, WritesTheSameBytesRowByRow)
 {
   const auto volume = MakeVolume<std::int16_t>({ 70, 149, 52 });
