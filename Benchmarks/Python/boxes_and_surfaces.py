@@ -52,7 +52,7 @@ def choose_box(shape, size):
 def compare_boxes(samples, folder, codec, size, repeats):
     """Prints seconds for a box, and how many times as long Zarr takes."""
     path = os.path.join(folder, f"{codec}.bvol")
-    si.create(samples, path, compression=codec)
+    si.create(samples, path, compression=codec, overwrite=True)
     single = {"lz4": numcodecs.LZ4(), "zstd": numcodecs.Zstd(1)}[codec]
     codecs = {"alone": single, "in Blosc": numcodecs.Blosc(codec, 1, numcodecs.Blosc.SHUFFLE)}
     peers = {}

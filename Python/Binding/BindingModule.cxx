@@ -75,22 +75,27 @@ std::shared_ptr<VolumeFile> OpenInPlace(
 }
 
 /// The path of the index of a source, if there is one of the source as it is now.
-std::optional<std::string> FindIndex(
+std::optional<py::bytes> FindIndex(
   const std::string& path, const std::string& axes, const std::string& folder)
 {
-  const py::gil_scoped_release released;
-  FileSystem& files = GetLocalFileSystem();
-  const SourceIndex index = SourceIndex::Find(files, path, "", axes, folder);
-  const auto state = FindIndexState(files, index);
-  return state.IsOk() && *state == IndexState::Current ? std::optional(index.Path) : std::nullopt;
+  SourceIndex index;
+  bool isCurrent = false;
+  {
+    const py::gil_scoped_release released;
+    FileSystem& files = GetLocalFileSystem();
+    index = SourceIndex::Find(files, path, "", axes, folder);
+    const auto state = FindIndexState(files, index);
+    isCurrent = state.IsOk() && *state == IndexState::Current;
+  }
+  return isCurrent ? std::optional(py::bytes(index.Path)) : std::nullopt;
 }
 
-/// Writes the index of a source, and returns its path.
-std::string WriteIndex(const std::string& path, const std::string& axes, const std::string& folder,
+/// Writes the index of a source.
+void WriteIndex(const std::string& path, const std::string& axes, const std::string& folder,
   std::uint64_t memoryBytes, int threads)
 {
-  return RunWithoutGil(path,
-    [&](const Progress& progress) -> Result<std::string>
+  RunWithoutGil(path,
+    [&](const Progress& progress) -> Status
     {
       FileSystem& files = GetLocalFileSystem();
       const SourceIndex index = SourceIndex::Find(files, path, "", axes, folder);
@@ -103,7 +108,7 @@ std::string WriteIndex(const std::string& path, const std::string& axes, const s
           WriteSourceIndex(alone, files, index, memoryBytes, progress, nullptr, nullptr, threads)
             .GetStatus());
       }
-      return index.Path;
+      return Status::Ok();
     });
 }
 
@@ -344,17 +349,24 @@ void SetSettings(VolumeWriting& writing, int blockSize, std::uint32_t stores,
 }
 
 void WriteArrayLikes(const VolumeWriting& writing,
-  const std::vector<std::tuple<std::string, py::object, std::string, int, std::string>>& arrays,
-  const std::optional<Index3>& chunk)
+  const std::vector<
+    std::vector<std::tuple<std::string, py::object, std::string, int, std::string>>>& steps,
+  const std::vector<std::optional<double>>& times, const std::optional<Index3>& chunk)
 {
+  std::vector<std::vector<ArrayLike>> likes(steps.size());
   std::vector<ArrayDescription> descriptions;
-  std::vector<ArrayLike> likes;
-  for (const auto& [name, object, type, components, unit] : arrays)
+  for (std::size_t step = 0; step < steps.size(); ++step)
   {
-    descriptions.push_back({ name, FindValueType(type).value(), components, unit });
-    likes.push_back({ object, FindValueType(type).value(), components });
+    for (const auto& [name, object, type, components, unit] : steps[step])
+    {
+      likes[step].push_back({ object, FindValueType(type).value(), components });
+      if (step == 0)
+      {
+        descriptions.push_back({ name, likes[step].back().Type, components, unit });
+      }
+    }
   }
-  writing.WriteArrays(descriptions, likes, chunk);
+  writing.WriteArrays(descriptions, likes, times, chunk);
 }
 
 } // namespace
@@ -365,6 +377,7 @@ PYBIND11_MODULE(_core, module)
   using namespace isosurface;
   using namespace pybind11::literals;
 
+  WatchForks();
   module.attr("MAGNITUDE") = Variable::Magnitude;
   module.attr("VALUE_TYPES") = ListValueTypes();
   module.def("find_kind", &FindKind, "name"_a);
@@ -375,7 +388,7 @@ PYBIND11_MODULE(_core, module)
   module.def("write_index", &WriteIndex, "path"_a, "axes"_a, "folder"_a, "memory"_a, "threads"_a);
 
   py::class_<VolumeFile, std::shared_ptr<VolumeFile>>(module, "VolumeFile")
-    .def_property_readonly("path", &VolumeFile::GetPath)
+    .def_property_readonly("path", [](const VolumeFile& file) { return py::bytes(file.GetPath()); })
     .def_property_readonly("arrays", &ListArrays)
     .def_property_readonly("times", &VolumeFile::GetTimes)
     .def_property_readonly("levels", &VolumeFile::GetNumberOfLevels)
@@ -389,7 +402,6 @@ PYBIND11_MODULE(_core, module)
       "isovalues"_a, "bounds"_a, "normals"_a, "attributes"_a, "precision"_a, "threads"_a);
 
   py::class_<SurfaceFile, std::shared_ptr<SurfaceFile>>(module, "SurfaceFile")
-    .def_property_readonly("path", &SurfaceFile::GetPath)
     .def_property_readonly("missing", &SurfaceFile::GetMissing)
     .def_property_readonly("attributes", &SurfaceFile::GetAttributes)
     .def_property_readonly(
@@ -409,6 +421,6 @@ PYBIND11_MODULE(_core, module)
       "lines"_a, "length_unit"_a)
     .def("set", &SetSettings, "block_size"_a, "stores"_a, "replicas"_a, "codec"_a, "codec_level"_a,
       "time"_a, "append"_a, "memory"_a, "threads"_a)
-    .def("write_arrays", &WriteArrayLikes, "arrays"_a, "chunk"_a)
+    .def("write_arrays", &WriteArrayLikes, "steps"_a, "times"_a, "chunk"_a)
     .def("write_file", &VolumeWriting::WriteFile, "file"_a, "times"_a);
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PythonErrors.h"
 
+#include <atomic>
 #include <cerrno>
+
+#include <pthread.h>
 
 namespace isosurface
 {
@@ -10,18 +13,28 @@ namespace
 
 constexpr std::chrono::milliseconds TimeBetweenLooks{ 100 };
 
+std::atomic<int> Workers{ 0 }; ///< threads at work without the GIL
+std::atomic<bool> IsForkedAtWork{ false };
+
+/// Text for a person. Of a name that is not UTF-8, the other bytes are told by their numbers.
+pybind11::str MakeText(const std::string& message)
+{
+  return pybind11::reinterpret_steal<pybind11::str>(PyUnicode_DecodeUTF8(
+    message.data(), static_cast<Py_ssize_t>(message.size()), "backslashreplace"));
+}
+
 /// Raises an OSError, or the kind of it that belongs to the number.
 [[noreturn]] void RaiseSystemError(int number, const std::string& message)
 {
   const pybind11::object error =
-    pybind11::reinterpret_borrow<pybind11::object>(PyExc_OSError)(number, message);
+    pybind11::reinterpret_borrow<pybind11::object>(PyExc_OSError)(number, MakeText(message));
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
   throw pybind11::error_already_set();
 }
 
 [[noreturn]] void Raise(PyObject* type, const std::string& message)
 {
-  PyErr_SetString(type, message.c_str());
+  PyErr_SetObject(type, MakeText(message).ptr());
   throw pybind11::error_already_set();
 }
 
@@ -58,6 +71,28 @@ void Warn(const std::string& message)
   {
     throw pybind11::error_already_set(); // warnings are errors there
   }
+}
+
+void WatchForks()
+{
+  ::pthread_atfork(nullptr, nullptr, [] { IsForkedAtWork = Workers > 0; });
+}
+
+WorkWithoutGil::Worker::Worker()
+{
+  if (IsForkedAtWork)
+  {
+    PyErr_SetString(PyExc_RuntimeError,
+      "this process was forked while another thread read or wrote; start processes by 'spawn', or "
+      "before there are threads");
+    throw pybind11::error_already_set();
+  }
+  ++Workers;
+}
+
+WorkWithoutGil::Worker::~Worker()
+{
+  --Workers;
 }
 
 Progress SignalWatch::GetProgress()

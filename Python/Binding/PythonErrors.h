@@ -3,6 +3,7 @@
 #define isosurface_PythonErrors_h
 
 #include "Ground/Base/Progress.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ground/Base/Status.h"
 
 #include <pybind11/pybind11.h>
@@ -52,6 +53,28 @@ private:
   std::optional<pybind11::error_already_set> Raised;
 };
 
+/// Has a process that is forked while a thread is at work refuse work, since what that thread held it holds
+/// for ever.
+void WatchForks();
+
+/// Work without the GIL, for WatchForks(). Throws a RuntimeError where it is refused.
+class WorkWithoutGil
+{
+public:
+  WorkWithoutGil() = default;
+  WorkWithoutGil(const WorkWithoutGil&) = delete;
+  WorkWithoutGil& operator=(const WorkWithoutGil&) = delete;
+
+private:
+  struct Worker
+  {
+    Worker();
+    ~Worker();
+  };
+  const Worker Counted; ///< before the GIL is released
+  const pybind11::gil_scoped_release Released;
+};
+
 /// Calls work(progress) without the GIL, and returns its value; throws its error. Exceptions of C++
 /// are errors about `path`.
 template <typename Work>
@@ -60,8 +83,9 @@ auto RunWithoutGil(const std::string& path, const Work& work)
   SignalWatch watch;
   auto result = [&]
   {
-    const pybind11::gil_scoped_release released;
+    const WorkWithoutGil released;
     const Progress progress = watch.GetProgress();
+    const ReadingStop stop(progress);
     return Attempt(path, [&] { return work(progress); });
   }();
   watch.Rethrow();

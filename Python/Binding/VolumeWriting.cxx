@@ -17,7 +17,7 @@ void VolumeWriting::WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings
   settings.Warn = [&watch](const std::string& warning) { watch.Warn(warning); };
   Status status;
   {
-    const pybind11::gil_scoped_release released;
+    const WorkWithoutGil released;
     status = Attempt(this->Path,
       [&]() -> Status
       {
@@ -32,18 +32,9 @@ void VolumeWriting::WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings
   ThrowIfError(status);
 }
 
-void VolumeWriting::WriteArrays(const std::vector<ArrayDescription>& descriptions,
-  const std::vector<ArrayLike>& arrays, const std::optional<Index3>& chunk) const
-{
-  ArrayLikeSource source(arrays, this->Grid.GetDimensions(), chunk);
-  SerialCommunicator alone;
-  BlockedVolumeWriter writer(alone);
-  const auto open = [&](BlockedVolumeSettings&) { return Result<ArrayLikeSource*>(&source); };
-  this->WriteStep(writer, this->Settings, descriptions, open, [&] { source.Rethrow(); });
-}
-
-void VolumeWriting::WriteFile(
-  VolumeFile& file, const std::vector<std::optional<double>>& times) const
+template <typename StepT>
+void VolumeWriting::WriteSteps(
+  const std::vector<std::optional<double>>& times, const StepT& writeStep) const
 {
   SerialCommunicator alone;
   BlockedVolumeWriter writer(alone);
@@ -52,15 +43,38 @@ void VolumeWriting::WriteFile(
   {
     settings.Time = times[step];
     settings.Publish = step + 1 == times.size();
-    const auto open = [&](BlockedVolumeSettings& ofStep)
-    {
-      auto source = file.OpenSource(step, settings.Threads, settings.MemoryLimit);
-      ofStep.Files = file.GetSourceFiles(step);
-      return source;
-    };
-    this->WriteStep(writer, settings, file.GetArrays(), open, [] {});
+    writeStep(writer, settings, step);
     settings.Append = true;
   }
+}
+
+void VolumeWriting::WriteArrays(const std::vector<ArrayDescription>& descriptions,
+  const std::vector<std::vector<ArrayLike>>& steps, const std::vector<std::optional<double>>& times,
+  const std::optional<Index3>& chunk) const
+{
+  this->WriteSteps(times,
+    [&](BlockedVolumeWriter& writer, const BlockedVolumeSettings& settings, std::size_t step)
+    {
+      ArrayLikeSource source(steps[step], this->Grid.GetDimensions(), chunk);
+      const auto open = [&](BlockedVolumeSettings&) { return Result<ArrayLikeSource*>(&source); };
+      this->WriteStep(writer, settings, descriptions, open, [&] { source.Rethrow(); });
+    });
+}
+
+void VolumeWriting::WriteFile(
+  VolumeFile& file, const std::vector<std::optional<double>>& times) const
+{
+  this->WriteSteps(times,
+    [&](BlockedVolumeWriter& writer, const BlockedVolumeSettings& settings, std::size_t step)
+    {
+      const auto open = [&](BlockedVolumeSettings& ofStep)
+      {
+        auto source = file.OpenSource(step, ofStep.Threads, ofStep.MemoryLimit);
+        ofStep.Files = file.GetSourceFiles(step);
+        return source;
+      };
+      this->WriteStep(writer, settings, file.GetArrays(), open, [] {});
+    });
 }
 
 } // namespace isosurface

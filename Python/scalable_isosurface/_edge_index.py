@@ -8,6 +8,7 @@ import warnings
 from typing import Any, Optional, Tuple
 
 from . import _core
+from ._arguments import take_threads
 from ._surface import Surface
 from ._volume import list_isovalues
 
@@ -46,8 +47,8 @@ class EdgeIndex:
     """
 
     def __init__(self, path: str, threads: Optional[int] = None) -> None:
-        self._file = _core.open_surface(path)
         self._threads = threads
+        self._file = _core.open_surface(os.fsencode(path))
         if self._file.missing:
             warnings.warn(self._file.missing, stacklevel=3)
         self.path: str = path
@@ -92,4 +93,4 @@ class EdgeIndex:
             numbers.append(self.isovalues.index(wanted))
         if preview and not self.has_preview:
             raise ValueError(f"{self.path}: has no preview")
-        return Surface(**self._file.read(numbers, preview, normals, self._threads or 0))
+        return Surface(**self._file.read(numbers, bool(preview), bool(normals), take_threads(self._threads)))

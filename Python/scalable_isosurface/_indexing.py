@@ -92,12 +92,13 @@ def _simplify(item: Any) -> Any:
             return operator.index(item)
         except TypeError:
             return item  # NumPy says what is wrong with it
-    if numpy.ndim(item) == 1:
-        array = numpy.asarray(item)
-        if array.size == 0 and isinstance(item, list):
-            return array.astype(int)
-        if array.dtype.kind in "biu":
-            return array
+    array = numpy.asarray(item)
+    if array.size == 0 and isinstance(item, list):
+        return array.astype(int)
+    if array.ndim and array.dtype.kind not in "biu":
+        return item  # NumPy says what is wrong with it
+    if array.ndim == 1:
+        return array
     raise _make_error()
 
 

@@ -7,6 +7,7 @@ import os
 from typing import Optional, Union
 
 from . import _core
+from ._arguments import take_path, take_text, take_threads
 from ._edge_index import EdgeIndex
 from ._volume import Volume, open_volume
 
@@ -21,13 +22,13 @@ def open(
     axes: str = "",
     index_folder: Union[str, os.PathLike] = "",
     threads: Optional[int] = None,
-) -> Union[Volume, EdgeIndex]:
-    """Opens a volume or a surface. Samples are read when the volume is indexed.
+) -> Volume:
+    """Opens a volume. Samples are read when the volume is indexed.
 
     Parameters
     ----------
     path : str or path
-        A blocked volume (.bvol), an edge-index file (.eix), or a file or folder of another format: MetaImage,
+        A blocked volume (.bvol), or a file or folder of another format: MetaImage,
         NRRD, NIfTI, MRC, TIFF, DICOM, HDF5, NetCDF, Zarr, N5 or raw samples. What is meant within a file
         follows a colon: ``"run.h5:/entry/data"``, ``"scan.raw:512x512x300,uint16"``.
     step : int
@@ -42,7 +43,7 @@ def open(
 
     Returns
     -------
-    Volume or EdgeIndex
+    Volume
         Of a file of another format, its index, if it has a current one. Without an index it has one level.
 
     Raises
@@ -62,12 +63,35 @@ def open(
     ...     round(float(volume[10, 15, 20]), 3)
     -0.009
     """
-    name = os.fspath(path)
-    if not isinstance(name, str):
-        raise TypeError(f"the name of a file is a str or a path, and not {type(path).__name__}")
-    if _core.find_kind(name) == "edge index":
-        return EdgeIndex(name, threads)
-    return open_volume(name, step, axes, os.fspath(index_folder), threads)
+    name = take_path("path", path)
+    if _core.find_kind(os.fsencode(name)) == "edge index":
+        return EdgeIndex(name, threads)  # type: ignore[return-value] # as before there was open_surface
+    return open_volume(name, step, axes, take_path("index_folder", index_folder), threads)
+
+
+def open_surface(path: Union[str, os.PathLike], *, threads: Optional[int] = None) -> EdgeIndex:
+    """Opens a surface in an edge-index file (.eix), which is decoded when it is asked for.
+
+    Parameters
+    ----------
+    path : str or path
+        Of the file.
+    threads : int, optional
+        For decoding; as many as there are cores if it is not given.
+
+    Raises
+    ------
+    FileNotFoundError
+        There is no such file.
+    OSError
+        It cannot be read, or is no edge-index file; the message names it.
+
+    Examples
+    --------
+    >>> si.open_surface("waves.eix").isosurface()
+    <Surface of 0.3: 9691 triangles, 5200 points>
+    """
+    return EdgeIndex(take_path("path", path), threads)
 
 
 def index(
@@ -99,8 +123,10 @@ def index(
     >>> si.index("waves.nrrd", index_folder="indices")
     <Volume 'waves.nrrd', array 'ImageFile': (20, 30, 40) float32, level 0 of 7>
     """
-    name = os.fspath(path)
-    folder = os.fspath(index_folder)
-    _core.find_kind(name)  # says so if there is no such file
-    _core.write_index(name, axes, folder, MEMORY, threads or 0)
+    name = take_path("path", path)
+    folder = take_path("index_folder", index_folder)
+    _core.find_kind(os.fsencode(name))  # says so if there is no such file
+    _core.write_index(
+        os.fsencode(name), take_text("axes", axes), os.fsencode(folder), MEMORY, take_threads(threads)
+    )
     return open_volume(name, 0, axes, folder, threads)

@@ -3,9 +3,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Optional
+import builtins
+import contextlib
+import os
+import warnings
+from typing import Any, Dict, IO, Iterator, Optional, Tuple, Union
 
 import numpy
+
+from ._arguments import take_path
 
 
 class Surface:
@@ -91,6 +97,97 @@ class Surface:
             self.triangle_offsets[number : number + 2] - self.triangle_offsets[number],
             {name: values[points] for name, values in self.attributes.items()},
         )
+
+    def _cross(self) -> Iterator[Tuple[numpy.ndarray, numpy.ndarray]]:
+        """First corners, seen from the first point that is finite, and normals whose length is twice the area; of some of the
+        triangles at a time. Those with a point that is not finite are left out."""
+        at_once = 1 << 20
+        finite = numpy.isfinite(self.points).all(1)
+        for begin in range(0, len(self.triangles), at_once):
+            triangles = self.triangles[begin : begin + at_once]
+            triangles = triangles[finite[triangles].all(1)]
+            corners = self.points[triangles].astype(float) - self.points[finite.argmax()]
+            yield corners[:, 0], numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+
+    @property
+    def area(self) -> float:
+        """Of all triangles, in the square of the unit of `Volume.spacing`."""
+        return sum(float(numpy.linalg.norm(cross, axis=1).sum()) for _, cross in self._cross()) / 2
+
+    @property
+    def volume(self) -> float:
+        """What a closed surface encloses, as its triangles have it: positive where samples are above the
+        isovalue inside. Without meaning for an open surface.
+
+        Raises
+        ------
+        ValueError
+            It has several isovalues; a `part` has one.
+        """
+        if len(self.isovalues) > 1:
+            raise ValueError("volume: the surface has several isovalues; that of part(0) is of the first one")
+        return sum(float((first * cross).sum()) for first, cross in self._cross()) / 6
+
+    def save(self, path: Union[str, os.PathLike]) -> None:
+        """Writes the triangles as .ply (with normals) or .stl, both binary. A file that is there is replaced when
+        the new one is complete. Triangles with a point that is not finite are left out, with a warning. Other
+        formats: `to_meshio`, `to_vtk`.
+        """
+        target = take_path("path", path)
+        write = {".ply": self._write_ply, ".stl": self._write_stl}.get(os.path.splitext(target)[1].lower())
+        if write is None:
+            raise ValueError(f"{target}: a surface is saved as .ply or .stl; to_meshio() and to_vtk() write others")
+        triangles = self.triangles
+        finite = numpy.isfinite(self.points).all(1)
+        if not finite.all():
+            triangles = triangles[finite[triangles].all(1)]
+            left_out = len(self.triangles) - len(triangles)
+            warnings.warn(f"{target}: {left_out} triangles with points that are not finite are left out", stacklevel=2)
+        partial = f"{target}.{os.getpid()}.part"
+        try:
+            with builtins.open(partial, "xb") as file:
+                write(file, triangles)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(partial, target)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.remove(partial)
+            raise
+
+    def _write_ply(self, file: IO[bytes], triangles: numpy.ndarray) -> None:
+        used, corners = numpy.unique(triangles, return_inverse=True)
+        columns = {"xyz": self.points[used]}
+        if self.normals is not None:
+            columns["nx ny nz"] = self.normals[used]
+        kinds = {4: "float", 8: "double"}
+        header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(used)}"]
+        fields = []
+        for names, values in columns.items():
+            for name in names.split() if " " in names else names:
+                header.append(f"property {kinds[values.dtype.itemsize]} {name}")
+            fields.append((names, values.dtype.newbyteorder("<"), 3))
+        header += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header", ""]
+        vertices = numpy.empty(len(used), fields)
+        for names, values in columns.items():
+            vertices[names] = values
+        faces = numpy.empty(len(triangles), [("count", "u1"), ("corners", "<i4", 3)])
+        faces["count"] = 3
+        faces["corners"] = corners.reshape(-1, 3)
+        file.write("\n".join(header).encode())
+        file.write(vertices.tobytes())
+        file.write(faces.tobytes())
+
+    def _write_stl(self, file: IO[bytes], triangles: numpy.ndarray) -> None:
+        corners = self.points[triangles].astype("<f4")
+        normals = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        lengths = numpy.linalg.norm(normals, axis=1, keepdims=True)
+        facets = numpy.zeros(len(triangles), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("none", "<u2")])
+        facets["normal"] = numpy.divide(normals, lengths, out=numpy.zeros_like(normals), where=lengths > 0)
+        facets["corners"] = corners
+        file.write(b"scalable_isosurface".ljust(80))
+        file.write(len(triangles).to_bytes(4, "little"))
+        file.write(facets.tobytes())
 
     def _make_point_data(self, name_of_normals: str) -> Dict[str, numpy.ndarray]:
         """All arrays on the points; the isovalue of each if there are several."""

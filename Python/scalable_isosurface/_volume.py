@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import operator
 import os
 from typing import Any, NamedTuple, Optional, Sequence, Tuple
 
 import numpy
 
 from . import _core
+from ._arguments import take_integer, take_numbers, take_path, take_text, take_threads
 from ._indexing import AxisRange, parse_key
 from ._surface import Surface
 
@@ -29,6 +29,11 @@ class Spectrum(NamedTuple):
     area: Optional[numpy.ndarray]  #: of the surface, in the square of the unit of `Volume.spacing`
     volume: Optional[numpy.ndarray]  #: where samples are at least the isovalue
 
+    def __repr__(self) -> str:
+        known = [name for name, values in zip(self._fields[1:], self[1:]) if values is not None]
+        first, last = self.isovalues[0], self.isovalues[-1]
+        return f"<Spectrum of {len(self.isovalues)} isovalues from {first:.6g} to {last:.6g}: {', '.join(known)}>"
+
 
 def _find_precision(dtype: Any) -> int:
     """The number of the precision of points in C++."""
@@ -46,12 +51,13 @@ class _Opened:
     def __init__(self, path: str, axes: str, index_folder: str, threads: Optional[int]) -> None:
         self.how = (path, axes, index_folder, threads)
         self.path = path
-        self.threads = operator.index(threads or 0)
-        if _core.find_kind(path) == "blocked volume":
-            self._file: Optional[_core.VolumeFile] = _core.open_stored(path)
+        self.threads = take_threads(threads)
+        name = os.fsencode(path)
+        if _core.find_kind(name) == "blocked volume":
+            self._file: Optional[_core.VolumeFile] = _core.open_stored(name)
         else:
-            index = _core.find_index(path, axes, index_folder)
-            self._file = _core.open_stored(index) if index else _core.open_source(path, axes, self.threads)
+            index = _core.find_index(name, take_text("axes", axes), os.fsencode(index_folder))
+            self._file = _core.open_stored(index) if index else _core.open_source(name, axes, self.threads)
 
     @property
     def file(self) -> _core.VolumeFile:
@@ -258,14 +264,15 @@ class Volume:
 
     def _find_step(self, step: int) -> int:
         try:
-            return range(self.steps)[operator.index(step)]
+            return range(self.steps)[take_integer("step", step)]
         except IndexError:
             raise IndexError(f"{self.path}: has {self.steps} time steps, and no step {step}") from None
 
     def _find_level(self, level: int) -> int:
-        if not 0 <= operator.index(level) < self.levels:
+        number = take_integer("level", level)
+        if not 0 <= number < self.levels:
             raise IndexError(f"{self.path}: has {self.levels} levels, and no level {level}")
-        return operator.index(level)
+        return number
 
     # Samples.
 
@@ -377,7 +384,7 @@ class Volume:
                 self._level if level is None else self._find_level(level),
                 list_isovalues(isovalue),
                 _check_region(region),
-                normals,
+                bool(normals),
                 [self._find_array(name) for name in attributes],
                 _find_precision(dtype),
                 self._opened.threads,
@@ -437,7 +444,7 @@ class Volume:
         if component is None:
             return 0 if self._components == 1 else _core.MAGNITUDE
         try:
-            return range(self._components)[operator.index(component)]
+            return range(self._components)[take_integer("component", component)]
         except IndexError:
             raise IndexError(
                 f"{self.path}: {self.name!r} has {self._components} components, and no {component}"
@@ -486,16 +493,11 @@ def _reopen(
 
 
 def list_isovalues(isovalue: Any) -> Sequence[float]:
-    isovalues = numpy.ravel(numpy.asarray(isovalue, float))
+    isovalues = numpy.ravel(take_numbers("isovalue", isovalue))
     if not len(isovalues):
         raise ValueError("there is no isovalue")
     return isovalues.tolist()
 
 
 def _check_region(region: Optional[Sequence[float]]) -> Optional[Sequence[float]]:
-    if region is None:
-        return None
-    bounds = numpy.asarray(region, float)
-    if bounds.shape != (6,):
-        raise ValueError(f"a region is x0, x1, y0, y1, z0, z1, and not {region!r}")
-    return bounds.tolist()
+    return None if region is None else take_numbers("region", region, (6,), "x0, x1, y0, y1, z0, z1").tolist()

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+import copy
+import errno
 import os
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy
 
 from . import _core
+from ._arguments import take_integer, take_number, take_numbers, take_path, take_text, take_threads
 from ._opening import MEMORY
 from ._volume import Volume, open_volume
 
@@ -37,16 +40,16 @@ class _Place(NamedTuple):
         """`description`: of the source, as that of a VolumeFile."""
         dimensions, spacing, origin, direction, lines, _, unit = description
         if self.spacing is not None:
-            spacing, lines, unit = _list_three("spacing", self.spacing), None, ""
+            spacing, lines, unit = _take_three("spacing", self.spacing), None, ""
         elif lines is not None and (self.origin is not None or self.direction is not None):
             raise ValueError("the coordinates of a rectilinear grid say where it lies; spacing makes it regular")
         if self.origin is not None:
-            origin = _list_three("origin", self.origin)
+            origin = _take_three("origin", self.origin)
         if self.direction is not None:
-            direction = numpy.reshape(numpy.asarray(self.direction, float), 9).tolist()
+            direction = take_numbers("direction", self.direction, (3, 3), "3 x 3 numbers").ravel().tolist()
         if self.length_unit is not None:
-            unit = self.length_unit
-        return _core.VolumeWriting(path, dimensions, spacing, origin, direction, lines, unit)
+            unit = take_text("length_unit", self.length_unit)
+        return _core.VolumeWriting(os.fsencode(path), dimensions, spacing, origin, direction, lines, unit)
 
 
 def create(
@@ -58,8 +61,9 @@ def create(
     direction: Any = None,
     length_unit: Optional[str] = None,
     name: Optional[str] = None,
-    time: Optional[float] = None,
+    time: Union[None, float, Sequence[float]] = None,
     append: bool = False,
+    overwrite: bool = False,
     axes: str = "",
     block_size: int = 32,
     compression: str = "lz4",
@@ -79,8 +83,7 @@ def create(
         for all of its arrays and time steps (see `open`); with several steps it cannot be `path` itself, nor
         a file whose index is `path`. Nor can a `Volume` of such a file, or of one that has other arrays.
     path : str or path
-        Of the volume, ``NAME.bvol``. One that is there is replaced when the new one is complete, with all of
-        its time steps.
+        Of the volume, ``NAME.bvol``, in a folder that is there.
     spacing, origin : sequence of three float, optional
         On x, y, z. If they are not given, those of the file or the `Volume`; else 1 and 0. Of a rectilinear
         grid, origin and direction can be given only with spacing, which makes a regular grid of it.
@@ -91,12 +94,16 @@ def create(
         file or the `Volume`; but with spacing none.
     name : str, optional
         Of the array, if there is one. If it is not given, that of the `Volume`, or "scalars".
-    time : float, optional
-        Of the time step. If it is not given, that of the file or the `Volume`.
+    time : float or sequence of float, optional
+        Of the time step, or of each. If it is not given, that of the file or the `Volume`; of an array with
+        an axis t the numbers 0, 1, 2 and so on.
     append : bool
-        Whether to append a time step to the volume that is there, which must have the same grid, arrays and
-        settings, and earlier times.
+        Whether to append to the volume that is there, which must have the same grid, arrays and settings, and
+        earlier times.
+    overwrite : bool
+        Whether to replace a volume that is there, with all of its time steps, when the new one is complete.
     axes : str
+        Of an array: what its axes are, a letter each: x, y and z, perhaps t (time steps) and c (components).
         Of a file: see `open`.
     block_size : int
         16, 32 or 64 cells a side.
@@ -113,6 +120,8 @@ def create(
     ------
     ValueError, TypeError
         The source cannot be a volume, or a setting makes no sense.
+    FileExistsError
+        There is a file at `path`, and neither `append` nor `overwrite` is set.
     OSError
         A file cannot be read or written; the message names it. What a slice of the source raises is raised, too.
 
@@ -130,20 +139,34 @@ def create(
     >>> bool((volume[:] == ramp).all())
     True
     """
-    target = os.fspath(path)
+    target = take_path("path", path)
     if not target.endswith(".bvol"):
         raise ValueError(f"{target}: the name of a blocked volume ends with .bvol")
-    codec, _, codec_level = compression.partition(":")
+    if not os.path.isdir(os.path.dirname(target) or "."):
+        raise FileNotFoundError(errno.ENOENT, "there is no such folder", os.path.dirname(target))
+    if os.path.lexists(target) and not append and not overwrite:
+        raise FileExistsError(errno.EEXIST, "is there already; overwrite=True replaces it", target)
+    codec, _, codec_level = take_text("compression", compression).partition(":")
     if codec_level and not codec_level.isdecimal():
         raise ValueError(f"{compression!r} is no compression; levels are numbers")
-    settings = _Settings(block_size, stores, replicas, codec, int(codec_level or 0), memory, threads or 0)
+    settings = _Settings(
+        take_integer("block_size", block_size),
+        take_integer("stores", stores, 1),
+        take_integer("replicas", replicas, 1),
+        codec,
+        int(codec_level or 0),
+        take_integer("memory", memory, 1),
+        take_threads(threads),
+    )
     place = _Place(spacing, origin, direction, length_unit)
     if isinstance(source, (str, os.PathLike)):
         if name is not None:
             raise ValueError("name: the arrays of a file have names")
-        _write_file(open_volume(os.fspath(source), 0, axes, threads=threads), target, place, settings, time, append)
+        file = open_volume(take_path("source", source), 0, axes, threads=threads)
+        _write_file(file, target, place, settings, None if time is None else take_number("time", time), bool(append))
     else:
-        _write_arrays(source, target, place, settings, time, append, name)
+        name = None if name is None else take_text("name", name)
+        _write_arrays(source, target, place, settings, time, bool(append), name, take_text("axes", axes))
     return open_volume(target, -1, threads=threads)
 
 
@@ -167,70 +190,118 @@ def _write_arrays(
     path: str,
     place: _Place,
     settings: _Settings,
-    time: Optional[float],
+    time: Union[None, float, Sequence[float]],
     append: bool,
     name: Optional[str],
+    axes: str,
 ) -> None:
-    """Writes a time step of arrays."""
+    """Writes the time steps of arrays."""
     if isinstance(source, Mapping):
         if name is not None:
             raise ValueError("name: the arrays of a mapping have names")
-        arrays = [_describe(array, str(key)) for key, array in source.items()]
+        arrays = [_Samples(array, str(key), axes) for key, array in source.items()]
     else:
-        arrays = [_describe(source, name or (source.name if isinstance(source, Volume) else "scalars"))]
+        arrays = [_Samples(source, name or (source.name if isinstance(source, Volume) else "scalars"), axes)]
     if not arrays:
         raise ValueError("there is no array")
-    volumes = [array for _, array, *_ in arrays if isinstance(array, Volume)]
+    volumes = [array.source for array in arrays if isinstance(array.source, Volume)]
     for volume in volumes:
         is_whole = volume.steps == 1 and {other.name for other in volumes}.issuperset(volume.arrays)
         if not append and not is_whole and _is_file_of(volume, path):
             raise ValueError(f"{path}: is its own source, and has other time steps or arrays; write another file")
-    first = arrays[0][1]
-    if any(array.shape[:3] != first.shape[:3] for _, array, _, _ in arrays):
+    first = arrays[0]
+    if any((array.shape, array.steps) != (first.shape, first.steps) for array in arrays):
         raise ValueError("the arrays have not the same shape")
-    dimensions = first.shape[2::-1]
-    if isinstance(first, Volume):
-        description: Tuple[Any, ...] = first._description
-        time = first.times[first._step] if time is None else time
+    if isinstance(first.source, Volume) and not axes:
+        description: Tuple[Any, ...] = first.source._description
+        time = first.source.times[first.source._step] if time is None else time
     else:
-        description = (dimensions, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), _IDENTITY, None, None, "")
+        description = (first.shape[::-1], (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), _IDENTITY, None, None, "")
+    times: List[Optional[float]] = [None]
+    if time is not None:
+        times = take_numbers("time", time).reshape(-1).tolist()
+    elif "t" in axes:
+        times = [float(step) for step in range(first.steps)]
+    if len(times) != first.steps:
+        raise ValueError(f"time: there are {first.steps} time steps, and {len(times)} times")
     writing = place.make_writing(path, description)
-    writing.set(**settings._asdict(), time=time, append=append)
-    writing.write_arrays(arrays, _find_chunk(first))
+    writing.set(**settings._asdict(), time=None, append=append)
+    steps = [
+        [(array.name, array.at(step), array.kind, array.components, array.unit) for array in arrays]
+        for step in range(first.steps)
+    ]
+    writing.write_arrays(steps, times, first.chunk)
 
 
 def _is_file_of(volume: Volume, path: str) -> bool:
     """Whether a volume, or the index by which it was opened, is the file at a path."""
-    opened = volume._opened.file.path  # "run.h5:/data" of another format, which is no blocked volume
+    opened = os.fsdecode(volume._opened.file.path)  # "run.h5:/data" of another format, which is no blocked volume
     return os.path.exists(opened) and os.path.exists(path) and os.path.samefile(opened, path)
 
 
-def _list_three(what: str, numbers: Any) -> List[float]:
-    """Numbers on x, y, z."""
-    if numpy.shape(numbers) != (3,):
-        raise ValueError(f"{what} is three numbers, on x, y, z, and not {numbers!r}")
-    return numpy.asarray(numbers, float).tolist()
+def _take_three(name: str, numbers: Any) -> List[float]:
+    return take_numbers(name, numbers, (3,), "three numbers, on x, y, z").tolist()
 
 
-def _describe(array: Any, name: str) -> Tuple[str, Any, str, int, str]:
-    """Name, array, type, components and unit."""
-    if not hasattr(array, "shape") or not hasattr(array, "dtype"):
-        array = numpy.asarray(array)
-    shape = tuple(array.shape)
-    if len(shape) not in (3, 4) or 0 in shape:
-        raise ValueError(
-            f"{name!r} has the shape {shape}; that of a volume is (z, y, x) or (z, y, x, components)"
-        )
-    kind = numpy.dtype(array.dtype).newbyteorder("=").name
-    if kind not in _core.VALUE_TYPES:
-        raise TypeError(f"{name!r} has the type {kind}; samples are of {', '.join(_core.VALUE_TYPES)}")
-    unit = array.unit if isinstance(array, Volume) else ""
-    return name, array, kind, shape[3] if len(shape) == 4 else 1, unit
+#: The types of samples that other types of arrays become.
+_WIDENED = {"bool": "uint8", "float16": "float32"}
 
 
-def _find_chunk(array: Any) -> Optional[List[int]]:
-    """The chunks of Zarr (sizes) or Dask (sizes of each chunk) on x, y, z; None if there are none."""
-    chunks = getattr(array, "chunks", None)
-    if not chunks:
-        return None
-    return [int(numpy.max(chunks[axis])) for axis in (2, 1, 0)]
+class _Samples:
+    """A source of samples in the order z, y, x and components. Samples that are masked are NaN."""
+
+    def __init__(self, source: Any, name: str, axes: str) -> None:
+        if not hasattr(source, "shape") or not hasattr(source, "dtype"):
+            source = numpy.asanyarray(source)
+        shape = tuple(source.shape)
+        if not axes and (len(shape) not in (3, 4) or 0 in shape):
+            raise ValueError(
+                f"{name!r} has the shape {shape}; that of a volume is (z, y, x) or (z, y, x, components); axes= "
+                "names others"
+            )
+        self.axes = axes or "zyxc"[: len(shape)]
+        if len(shape) != len(self.axes) or 0 in shape:
+            raise ValueError(f"axes: {name!r} has the shape {shape}, which is not that of {axes!r}")
+        if not set("xyz") <= set(self.axes) <= set("xyztc") or len(set(self.axes)) != len(self.axes):
+            raise ValueError(f"axes: {axes!r} does not name x, y, z, and perhaps t and c, once each")
+        try:
+            self._dtype = numpy.dtype(source.dtype).newbyteorder("=")
+        except TypeError:
+            raise TypeError(f"{name!r} has samples of {source.dtype}; give an array of NumPy") from None
+        self.kind = _WIDENED.get(self._dtype.name, self._dtype.name)
+        if self.kind not in _core.VALUE_TYPES:
+            raise TypeError(f"{name!r} has the type {self.kind}; samples are of {', '.join(_core.VALUE_TYPES)}")
+        sizes = dict(zip(self.axes, shape))
+        self.source = source
+        self.name = name
+        self.shape = (sizes["z"], sizes["y"], sizes["x"])
+        self.components = sizes.get("c", 1)
+        self.unit = source.unit if isinstance(source, Volume) else ""
+        self.steps = sizes.get("t", 1)
+        # Of Zarr (sizes) or Dask (sizes of each chunk).
+        chunks = dict(zip(self.axes, getattr(source, "chunks", None) or ()))
+        self.chunk = [int(numpy.max(chunks[axis])) for axis in "xyz"] if chunks else None
+        self._step = 0
+
+    def at(self, step: int) -> _Samples:
+        """Those of a time step."""
+        of_step = copy.copy(self)
+        of_step._step = step
+        return of_step
+
+    def __getitem__(self, key: Tuple[slice, slice, slice]) -> numpy.ndarray:
+        chosen = dict(zip("zyxct", (*key, slice(None), self._step)))
+        samples = numpy.asanyarray(self.source[tuple(chosen[axis] for axis in self.axes)])
+        left = self.axes.replace("t", "")
+        samples = samples.transpose([left.index(axis) for axis in "zyxc" if axis in left])
+        # A variable of NetCDF that is scaled has another type than its slices.
+        if not numpy.can_cast(samples.dtype, self._dtype, "same_kind"):
+            raise TypeError(f"{self.name!r} has the type {self._dtype.name}, but slices of {samples.dtype.name}")
+        if isinstance(samples, numpy.ma.MaskedArray):
+            if numpy.ma.is_masked(samples) and samples.dtype.kind != "f":
+                raise ValueError(
+                    f"{self.name!r} has masked samples, and {samples.dtype.name} has no NaN for them; "
+                    "write array.filled(VALUE), or array.astype('float32')"
+                )
+            samples = samples.filled(numpy.nan) if samples.dtype.kind == "f" else samples.data
+        return numpy.asarray(samples, self.kind)

@@ -8,6 +8,7 @@ import random
 import shutil
 import signal
 import sys
+import threading
 import time
 import unittest
 
@@ -34,7 +35,7 @@ class Samples(VolumeTest):
     def test_components_are_a_last_axis(self):
         for dtype, components in (("uint8", 3), ("float32", 6)):
             samples = make_samples(dtype, (*SHAPE, components))
-            volume = si.create(samples, self.path("tuples.bvol"), compression="zstd")
+            volume = si.create(samples, self.path("tuples.bvol"), compression="zstd", overwrite=True)
             self.assertEqual(volume.ndim, 4)
             self.assertEqual(volume.chunks, (32, 32, 32, components))
             self.check_keys(volume, samples, 100)
@@ -125,10 +126,123 @@ class Samples(VolumeTest):
 
     def test_elements_one_by_one_are_refused_in_clear_words(self):
         volume = si.create(make_samples("uint8"), self.path("v.bvol"))
-        keys = ([1, 2], [1, 2]), [[1, 2]], [1.5], ["a"], numpy.ones(SHAPE, bool), True, (0, False)
+        keys = ([1, 2], [1, 2]), [[1, 2]], numpy.ones(SHAPE, bool), True, (0, False)
         for key in keys:
             with self.assertRaisesRegex(TypeError, "indexed by integers, slices, Ellipsis"):
                 volume[key]
+
+    def test_arrays_that_are_no_indices_are_index_errors_in_the_words_of_numpy(self):
+        samples = make_samples("uint8")
+        volume = si.create(samples, self.path("v.bvol"))
+        for key in ([1.5], ["a"], numpy.zeros((2, 2)), (0, numpy.array([0.0]))):
+            with self.subTest(key=key):
+                with self.assertRaises(IndexError) as expected:
+                    samples[key]
+                with self.assertRaises(IndexError) as raised:
+                    volume[key]
+                self.assertEqual(str(raised.exception), str(expected.exception))
+
+    def test_arguments_of_wrong_types_and_values_are_told_by_name(self):
+        volume = si.create(make_waves(), self.path("v.bvol"))
+        path = self.path("v.bvol")
+        for name, error, call in (
+            ("step", TypeError, lambda: si.open(path, "1")),
+            ("step", TypeError, lambda: volume.at(0.5)),
+            ("axes", TypeError, lambda: si.open(self.path("v.bvol.stores"), axes=3)),
+            ("index_folder", TypeError, lambda: si.open(path, index_folder=3)),
+            ("threads", TypeError, lambda: si.open(path, threads="many")),
+            ("threads", ValueError, lambda: si.open(path, threads=-1)),
+            ("path", TypeError, lambda: si.index(None)),
+            ("path", ValueError, lambda: si.open("v\0.bvol")),
+            ("level", TypeError, lambda: volume.level(None)),
+            ("component", TypeError, lambda: volume.spectrum("x")),
+            ("isovalue", TypeError, lambda: volume.isosurface(None)),
+            ("isovalue", TypeError, lambda: volume.isosurface("skin")),
+            ("isovalue", TypeError, lambda: volume.isosurface(1j)),
+            ("isovalue", ValueError, lambda: volume.isosurface(numpy.nan)),
+            ("isovalue", ValueError, lambda: volume.active_blocks([0, numpy.inf])),
+            ("region", TypeError, lambda: volume.isosurface(0, region="all")),
+            ("region", ValueError, lambda: volume.isosurface(0, region=(0, 1))),
+            ("region", ValueError, lambda: volume.isosurface(0, region=[0, 1, 0, 1, 0, numpy.nan])),
+            ("path", TypeError, lambda: si.create(make_waves(), 3)),
+            ("spacing", TypeError, lambda: si.create(make_waves(), self.path("w.bvol"), spacing="mm")),
+            ("origin", ValueError, lambda: si.create(make_waves(), self.path("w.bvol"), origin=(0, 0, numpy.inf))),
+            ("time", TypeError, lambda: si.create(make_waves(), self.path("w.bvol"), time="now")),
+            ("name", TypeError, lambda: si.create(make_waves(), self.path("w.bvol"), name=3)),
+            ("block_size", TypeError, lambda: si.create(make_waves(), self.path("w.bvol"), block_size=16.0)),
+            ("memory", ValueError, lambda: si.create(make_waves(), self.path("w.bvol"), memory=-1)),
+            ("compression", TypeError, lambda: si.create(make_waves(), self.path("w.bvol"), compression=None)),
+        ):
+            with self.subTest(name=name), self.assertRaisesRegex(error, rf"\b{name}\b") as raised:
+                call()
+            self.assertNotIn("incompatible function arguments", str(raised.exception))
+
+    def test_names_that_are_not_utf8_open_and_are_told(self):
+        path = os.fsdecode(os.fsencode(self.folder) + b"/caf\xe9.bvol")
+        samples = make_samples("uint8")
+        volume = si.create(samples, path)
+        numpy.testing.assert_array_equal(si.open(path)[...], samples)
+        self.assertEqual(volume.path, path)
+        shutil.rmtree(path + ".stores")
+        with self.assertRaisesRegex(OSError, r"caf\\xe9.bvol") as raised:
+            volume.level(1)[...]
+        str(raised.exception).encode()
+        write_nrrd(path[:-4] + "nrrd", make_waves())
+        self.assertEqual(si.open(path[:-4] + "nrrd").shape, SHAPE)
+        with self.assertRaisesRegex(ValueError, "not UTF-8"):  # the header of an index names the file
+            si.index(path[:-4] + "nrrd")
+
+    def test_ctrl_c_stops_a_gzip_stream(self):
+        """The last slice alone, whose bytes come after all others."""
+        samples = numpy.zeros((600, 512, 512), numpy.float32)
+        write_nrrd(self.path("v.nrrd"), samples, packed=True)
+        volume = si.open(self.path("v.nrrd"))
+
+        def interrupt(*_):
+            raise KeyboardInterrupt
+
+        self.addCleanup(signal.signal, signal.SIGALRM, signal.signal(signal.SIGALRM, interrupt))
+        self.addCleanup(signal.setitimer, signal.ITIMER_REAL, 0)
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with self.assertRaises(KeyboardInterrupt):
+            for _ in range(50):  # each takes longer than that
+                si.open(self.path("v.nrrd"))[-1]
+        numpy.testing.assert_array_equal(volume[-1], samples[-1])
+
+    def test_a_child_that_is_forked_while_a_thread_reads_is_told(self):
+        samples = make_samples("float64", (200, 200, 200))
+        volume = si.create(samples, self.path("v.bvol"), compression="zstd:9")
+        ends = threading.Event()
+
+        def read():
+            while not ends.is_set():
+                volume[...]
+
+        thread = threading.Thread(target=read)
+        thread.start()
+        answers = set()
+        try:
+            for _ in range(20):
+                time.sleep(0.01)
+                child = os.fork()
+                if child == 0:
+                    code = 9
+                    try:
+                        code = 0 if volume[3, 4, 5] == samples[3, 4, 5] else 8
+                    except RuntimeError as error:
+                        code = 1 if "forked while another thread" in str(error) else 7
+                    finally:
+                        os._exit(code)
+                answers.add(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+        finally:
+            ends.set()
+            thread.join()
+        self.assertLessEqual(answers, {0, 1})
+        self.assertIn(1, answers)
+        child = os.fork()  # nobody reads now
+        if child == 0:
+            os._exit(0 if volume[3, 4, 5] == samples[3, 4, 5] else 8)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
 
     def test_many_threads_read_at_once(self):
         samples = make_samples("int32")

@@ -2,6 +2,7 @@
 #include "Ground/Base/FileSystem.h"
 
 #include "Ground/Base/DescriptorPool.h"
+#include "Ground/Base/ReadingStop.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -39,6 +40,10 @@ public:
 
   Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
   {
+    if (ReadingStop::IsWanted())
+    {
+      return Status(StatusCode::Aborted, this->GetPath() + ": reading was stopped");
+    }
     auto descriptor = this->File->Use();
     ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
     bool isRenewed = false;
@@ -450,6 +455,8 @@ private:
 };
 
 } // namespace
+
+thread_local const Progress* ReadingStop::Current = nullptr;
 
 FileSystem& GetLocalFileSystem()
 {
