@@ -70,7 +70,7 @@ Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file
                      : "name one of its datasets, as in " + name.Path + ":/path: " + known));
 }
 
-/// Tells the attributes of a dataset that nothing here is read from, and the unit.
+/// Finds the unit of lengths, and tells the attributes of a dataset that nothing here is read from.
 void NoteAttributes(const Hdf5File& file, const std::string& path, Hdf5Description& description)
 {
   const std::string used = " DIMENSION_LABELS DIMENSION_LIST axistags element_size_um MATLAB_class "
@@ -83,7 +83,8 @@ void NoteAttributes(const Hdf5File& file, const std::string& path, Hdf5Descripti
       unused += (unused.empty() ? "attributes that are not used: " : ", ") + attribute;
     }
   }
-  if (!description.Unit.empty())
+  description.Place.Unit = FindLengthUnit(description.Unit);
+  if (!description.Unit.empty() && description.Place.Unit == LengthUnit::Unknown)
   {
     description.AddNote("the unit of lengths, " + description.Unit + ", is not kept");
   }
@@ -111,10 +112,10 @@ Result<OpenedVolume> OpenDataset(
   auto parts = MakeParts(GetLastPart(path), std::move(*array), *axes, choice.Step);
   ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
   OpenedVolume volume;
+  NoteAttributes(file, path, description);
   volume.Grid = description.Place;
   volume.Grid.Extent = {};
   volume.Times = std::move(description.Times);
-  NoteAttributes(file, path, description);
   volume.LeftOut = description.Notes;
   ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), choice.Arrays, volume));
   for (ArrayDescription& taken : volume.Arrays)

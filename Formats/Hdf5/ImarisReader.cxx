@@ -107,7 +107,8 @@ Result<OpenedVolume> OpenImaris(const Hdf5File& file, const VolumeChoice& choice
   {
     description.AddNote("time points are numbered; the dates of Imaris are not used");
   }
-  if (!description.Unit.empty())
+  volume.Grid.Unit = FindLengthUnit(description.Unit);
+  if (!description.Unit.empty() && volume.Grid.Unit == LengthUnit::Unknown)
   {
     description.AddNote("the unit of lengths, " + description.Unit + ", is not kept");
   }

@@ -4,6 +4,7 @@
 #include "Formats/Source/TextFields.h"
 #include "Formats/Tiff/TiffUnits.h"
 #include "Formats/Zarr/JsonField.h"
+#include "Ground/Volume/LengthUnit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,7 +90,7 @@ void TakePlace(const Properties& text, const TiffContents& contents, TiffImage& 
       depth && *depth != 0 ? std::abs(*depth) : 1 };
   }
   if (contents.ResolutionUnit == 3 &&
-    image.Unit == "\u00B5m") // of a centimetre, as ImageJ takes it
+    FindLengthUnit(image.Unit) == LengthUnit::Micrometer) // of a centimetre, as ImageJ takes it
   {
     image.Spacing[0] *= 1e4;
     image.Spacing[1] *= 1e4;

@@ -8,8 +8,7 @@
 namespace isosurface
 {
 
-/// The usual sign of a unit of length that OME or ImageJ names ("micron": "µm"); as it is, if it is
-/// none; empty for pixels.
+/// The unit of length that OME or ImageJ names; empty for pixels.
 std::string NormalizeUnit(const std::string& unit);
 
 /// Brings lengths on three axes to the unit of the first one. False if they have several, and one of

@@ -80,7 +80,8 @@ void TakePlaceAndNotes(const TiffPlanes& planes, TiffImage& image, OpenedVolume&
   {
     volume.Times.push_back(static_cast<double>(frame) * image.TimeStep);
   }
-  if (!image.Unit.empty())
+  volume.Grid.Unit = FindLengthUnit(image.Unit);
+  if (!image.Unit.empty() && volume.Grid.Unit == LengthUnit::Unknown)
   {
     image.AddNote("the unit of lengths, " + image.Unit + ", is not kept");
   }

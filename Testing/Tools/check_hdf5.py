@@ -200,7 +200,7 @@ class VtkHdf(SourceCase):
 
 
 class DescribedCase(SourceCase):
-    def assert_volume(self, source, samples, array, *arguments, told=(), **place):
+    def assert_volume(self, source, samples, array, *arguments, told=(), unit=None, **place):
         """A volume of these samples; standard error has some words."""
         path = self.path("o.bvol")
         remove_volume(path)
@@ -208,7 +208,7 @@ class DescribedCase(SourceCase):
         self.assertEqual(code, 0, err)
         for word in told:
             self.assertIn(word, err)
-        self.assert_equal_volumes(path, self.write_raw(samples, array, **place))
+        self.assert_equal_volumes(path, self.write_raw(samples, array, *(["--unit", unit] if unit else []), **place))
 
 
 class Descriptions(DescribedCase):
@@ -311,10 +311,10 @@ class Descriptions(DescribedCase):
             file["uneven/z"].make_scale("z")
             uneven.dims[0].attach_scale(file["uneven/z"])
         for name in ("scales", "emd", "array"):
-            self.assert_volume(f"a.h5:/{name}/data", samples, "data", told=("mm",), **place)
-        self.assert_volume("a.h5:/nexus/data", samples, "data", told=("mm", "z, rows, x"), **place)
+            self.assert_volume(f"a.h5:/{name}/data", samples, "data", unit="mm", **place)
+        self.assert_volume("a.h5:/nexus/data", samples, "data", told=("z, rows, x",), unit="mm", **place)
         self.assert_volume("a.h5:/tags/data", samples, "data", spacing=place["spacing"])
-        self.assert_volume("a.h5:/size/data", samples, "data", told=("µm",), spacing=place["spacing"])
+        self.assert_volume("a.h5:/size/data", samples, "data", unit="um", spacing=place["spacing"])
         self.assert_volume("a.h5:/odd/data", samples, "data", told=("energy, y, x", "--axes"))
         self.assert_volume("a.h5:/uneven/data", samples, "data", told=("equal steps",))
 
@@ -388,12 +388,12 @@ class Imaris(DescribedCase):
         self.write_imaris("i.ims", (images, coarse))
         place = {"spacing": (0.5, 0.5, 2), "origin": (10.25, -4.75, 4)}
         path = self.write("i.ims", "o.bvol", "--step", "2", "--arrays", "Ch1")
-        self.assert_equal_volumes(path, self.write_raw(images[2][1], "Ch1", "--time", "2", **place))
+        self.assert_equal_volumes(path, self.write_raw(images[2][1], "Ch1", "--time", "2", "--unit", "um", **place))
         info = json.loads(self.run_tool("--info", "--json", self.write("i.ims", "o.bvol"))[1])
         self.assertEqual([array["name"] for array in info["arrays"]], ["Ch0", "Ch1"])
         self.assertEqual(len(info["timeSteps"]), 3)
         self.assert_volume("i.ims:/DataSet/ResolutionLevel 0/TimePoint 0/Channel 1/Data", images[0][1], "Data",
-                           told=("um",), **place)
+                           unit="um", **place)
         self.assert_error("i.ims", "axes", arguments=["--axes", "zyx"])
 
     def test_impossible_sizes_and_extents(self):
