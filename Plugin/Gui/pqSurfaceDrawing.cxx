@@ -26,7 +26,7 @@
 namespace
 {
 
-const pqServerManagerModel* GetModel()
+const pqServerManagerModel* GetPipelineModel()
 {
   return pqApplicationCore::instance()->getServerManagerModel();
 }
@@ -57,8 +57,8 @@ pqSurfaceDrawing::pqSurfaceDrawing(QObject* parent)
 {
   this->Timer->setSingleShot(true);
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqSurfaceDrawing::Advance);
-  QObject::connect(GetModel(), &pqServerManagerModel::viewAdded, this, &pqSurfaceDrawing::Observe);
-  for (pqView* view : GetModel()->findItems<pqView*>())
+  QObject::connect(GetPipelineModel(), &pqServerManagerModel::viewAdded, this, &pqSurfaceDrawing::Observe);
+  for (pqView* view : GetPipelineModel()->findItems<pqView*>())
   {
     this->Observe(view);
   }
@@ -126,7 +126,7 @@ void pqSurfaceDrawing::HoldImage(vtkObject* interactor, unsigned long event)
   {
     return; // its images are of thinned surfaces
   }
-  for (pqView* view : GetModel()->findItems<pqView*>())
+  for (pqView* view : GetPipelineModel()->findItems<pqView*>())
   {
     if (IsDrawnHere(view) && GetInteractor(view) == interactor &&
       FindView(view)->GetUseLODForInteractiveRender())
@@ -163,7 +163,7 @@ void pqSurfaceDrawing::DrawHeldImage(vtkObject*, unsigned long event)
 //------------------------------------------------------------------------------
 void pqSurfaceDrawing::Begin()
 {
-  for (pqView* view : GetModel()->findItems<pqView*>())
+  for (pqView* view : GetPipelineModel()->findItems<pqView*>())
   {
     if (!this->Add(view))
     {
