@@ -8,4 +8,7 @@ from .IsosurfaceRepresentation import (
     vtkIsosurfaceCompositeRepresentation as vtkIsosurfaceCompositeRepresentation,
     vtkIsosurfaceRepresentation as vtkIsosurfaceRepresentation,
     vtkSMIsosurfaceRepresentationProxy as vtkSMIsosurfaceRepresentationProxy,
+    vtkSMIsovalueDomain as vtkSMIsovalueDomain,
+    vtkSMSampleArrayDomain as vtkSMSampleArrayDomain,
+    vtkSMVolumeSliceRepresentationProxy as vtkSMVolumeSliceRepresentationProxy,
 )

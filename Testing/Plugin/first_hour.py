@@ -161,7 +161,7 @@ class FirstHour(unittest.TestCase):
         write_dicom(self.path("ct"), make_samples(8))
         window.press("EntityType", "QComboBox")
         window.key("Down", "Return")
-        window.wait("any('IM0001' in row['texts'] + row['inner'] for row in rows('Files'))")
+        window.wait("any('IM0001' in row['texts'] + row['inner'] for row in rows('Files') or [])")
         window.press("EntityName", "QLineEdit")
         window.enter("Open File", self.path("ct/IM10001"))
         window.wait("dialog().startswith('Open Data')")

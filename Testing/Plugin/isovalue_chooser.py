@@ -21,6 +21,7 @@ class IsovalueChooser(testing.TestCase):
         self.assertEqual([first], list(proposed.Isosurfaces))
         self.assertGreater(second, low)
         self.assertLess(second, first)
+        simple.Delete(proposed)  # the trace has one of its name
 
     def test_dragging_changes_one_isovalue(self):
         before = read_isovalues("added.pvsm")

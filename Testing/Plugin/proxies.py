@@ -101,7 +101,7 @@ class Proxies(testing.TestCase):
         holes.Script = """
 import numpy
 samples = inputs[0].PointData["RTData"]
-output.PointData.append(numpy.where(samples < 100, numpy.nan, samples), "Holes")
+output.PointData.append(numpy.where(samples > 200, numpy.nan, samples), "Holes")
 """
         holes.UpdatePipeline()
         for name in ("SkipNaN", "SkipNotANumber"):

@@ -15,7 +15,7 @@ class SavedSurfaces(testing.TestCase):
     def test_data_behind_a_surface_that_was_stopped_are_of_the_full_one(self):
         with open(testing.state("area.csv"), newline="") as table:
             (saved,) = csv.DictReader(table)
-        surface = testing.contour(testing.open_volume("noise.bvol"), 127.5, "Noise")
+        surface = simple.Isosurface(Input=testing.open_volume("noise.bvol"))  # as it was proposed in the window
         integral = simple.IntegrateVariables(Input=surface)
         integral.UpdatePipeline()
         full = integral.PointData["Noise"].GetRange()[0]

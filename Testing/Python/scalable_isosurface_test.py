@@ -154,7 +154,7 @@ class Package(unittest.TestCase):
             self.assertIn("class vtkStabbingContour", hints.read())
         with open(os.path.join(folder, "__init__.pyi")) as hints:
             text = hints.read()
-        for name in scalable_isosurface.__all__:
+        for name in scalable_isosurface._MODULE_OF:
             self.assertIn(f"{name} as {name}", text)
         self.assertIn("isosurfaces of blocked volumes", vtkStabbingContour.__doc__)
 

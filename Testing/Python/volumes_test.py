@@ -101,9 +101,9 @@ class Samples(VolumeTest):
         self.assertEqual(volume.length_unit, "um")
         self.assertEqual(si.create(volume, self.path("copy.bvol")).length_unit, "um")
         # Another spacing may be in another unit.
-        self.assertEqual(si.create(volume, self.path("copy.bvol"), spacing=(1, 1, 1)).length_unit, "")
+        self.assertEqual(si.create(volume, self.path("even.bvol"), spacing=(1, 1, 1)).length_unit, "")
         with self.assertRaisesRegex(ValueError, "length_unit: furlong is no unit of length"):
-            si.create(samples, self.path("v.bvol"), length_unit="furlong")
+            si.create(samples, self.path("none.bvol"), length_unit="furlong")
 
     def test_an_array_along_one_axis_chooses_what_it_chooses_in_numpy(self):
         samples = make_samples("int16", (*SHAPE, 3))

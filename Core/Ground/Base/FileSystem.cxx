@@ -257,7 +257,7 @@ int AddState(const std::string& path, FileState& state)
     // Links to folders could lead in circles.
     const bool isLinkedFolder = entry->is_symlink(error) && entry->is_directory(error);
     const int inside = isLinkedFolder ? 0 : AddState(entry->path().string(), state);
-    if (inside != 0 && inside != ENOENT)
+    if (inside != 0 && inside != ENOENT && inside != ELOOP) // whoever reads a link tells what it is
     {
       return inside;
     }
