@@ -11,6 +11,7 @@
 #include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkStabbingContour.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnsignedCharArray.h"
 
@@ -141,7 +142,10 @@ TEST(SlicesOnRanks, IsolinesOfAPlaneThroughVerticesHaveThePointsOfTheIsosurface)
       { static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]) });
   }
   std::set<std::array<float, 3>> ofSurface;
-  const auto surface = Contour(image, { isovalue });
+  const auto contour = MakeContour(image, isovalue);
+  contour->SetController(nullptr); // of the image that each rank has, all by itself
+  contour->Update();
+  vtkPolyData* const surface = contour->GetOutput();
   for (vtkIdType point = 0; point < surface->GetNumberOfPoints(); ++point)
   {
     const double* at = surface->GetPoint(point);

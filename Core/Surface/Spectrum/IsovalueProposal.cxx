@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace isosurface
 {
@@ -15,6 +16,10 @@ namespace
 /// is no such number in (low, high].
 double Round(double value, double coarsest, double low, double high)
 {
+  if (coarsest < std::numeric_limits<double>::min()) // has no exponent of ten
+  {
+    return value;
+  }
   const int exponent = static_cast<int>(std::floor(std::log10(coarsest)));
   // Powers of ten below 1 are not exact; their reciprocals are.
   const double scale = std::pow(10.0, std::abs(exponent));
