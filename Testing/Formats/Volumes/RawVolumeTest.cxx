@@ -142,7 +142,7 @@ TEST(RawSamples, TakeNoAxesUnlessAVolumeInPlaceNamesThem)
   VolumeChoice choice;
   choice.Axes = "zyx";
   for (const char* name : { "/data/a.dat:9x7x5,uint16", "/data/a.mhd", "/data/a.nrrd",
-         "/data/a.nii", "/data/a.mrc", "/data/a.tif", "/data/a.dcm" })
+         "/data/a.nii", "/data/a.mrc", "/data/a.dcm" })
   {
     ExpectError(OpenForeignVolume(disk, name, choice).GetStatus(), StatusCode::InvalidArgument,
       std::string(name) + ": cannot be read with the axes \"zyx\": those of ");
