@@ -116,11 +116,11 @@ void SealCheckpoints(std::map<std::string, SealedBytes>& files, const WriteJourn
   }
   SealedBytes& checkpoint =
     files[folder + "checkpoint-" + std::to_string(journal.Checkpoint % 2) + ".tmp"];
-  if (checkpoint.size() >= 48)
+  if (checkpoint.size() >= 64)
   {
     StoreLittleEndian<std::uint64_t>(
-      checkpoint.data() + 32, entries.size() / entryBytes * entryBytes);
-    StoreLittleEndian(checkpoint.data() + 40, chained);
+      checkpoint.data() + 48, entries.size() / entryBytes * entryBytes);
+    StoreLittleEndian(checkpoint.data() + 56, chained);
     StoreLittleEndian(checkpoint.data(),
       ComputeChecksum(checkpoint.data() + 8, checkpoint.size() - 8,
         static_cast<std::uint64_t>(journal.Checkpoint)));
