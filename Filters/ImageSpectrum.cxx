@@ -5,8 +5,8 @@
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/SampleCopy.h"
-#include "Surface/Spectrum/GridSpectrum.h"
-#include "Surface/Spectrum/IsovalueProposal.h"
+#include "Storage/Spectrum/GridSpectrum.h"
+#include "Storage/Spectrum/IsovalueProposal.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "ImagePieces.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <cstdint>
 #include <string>

@@ -2,7 +2,7 @@
 #ifndef isosurface_SpectrumTable_h
 #define isosurface_SpectrumTable_h
 
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
 #include <string>

@@ -28,8 +28,8 @@
 #include "ErrorReport.h"
 #include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Storage/Spectrum/IsovalueProposal.h"
 #include "Storage/Store/BlockedVolume.h"
-#include "Surface/Spectrum/IsovalueProposal.h"
 
 #include <limits>
 #include <memory>

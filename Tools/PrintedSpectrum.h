@@ -2,7 +2,7 @@
 #ifndef isosurface_PrintedSpectrum_h
 #define isosurface_PrintedSpectrum_h
 
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <nlohmann/json.hpp>
 

@@ -4,7 +4,7 @@
 
 #include "Ground/Volume/ValueKey.h"
 #include "Ground/Volume/ValueType.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -4,10 +4,10 @@
 #include "Formats/Plain/RawVolume.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/SampleRange.h"
+#include "Storage/Spectrum/BlockWorkload.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Writing/BlockProfileScan.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
-#include "Surface/Spectrum/BlockWorkload.h"
 
 #include <mutex>
 #include <utility>

@@ -4,8 +4,8 @@
 
 #include "VolumeFile.h"
 
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Surface/Contour/Surface.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <array>
 #include <cstddef>

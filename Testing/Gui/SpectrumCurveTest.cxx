@@ -2,7 +2,7 @@
 #include "SpectrumCurve.h"
 
 #include "CountWords.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <gtest/gtest.h>
 

@@ -32,7 +32,7 @@ NAMES = (
         "Python/scalable_isosurface/_opening.py", "Tools/BlockVolumeOptions.cxx",
         "Writers/vtkInPlaceVolumeReader.h")),
     ("Formats/Opener/VolumeFormat.cxx", r'"\.([\w.]+)"', ("Plugin/XML/InPlaceVolumeReader.xml",)),
-    ("Core/Surface/Spectrum/WorkloadSpectrum.h", r"^  Counts (\w+);", (
+    ("Core/Storage/Spectrum/WorkloadSpectrum.h", r"^  Counts (\w+);", (
         "Filters/SpectrumTable.cxx", "Filters/vtkContourSpectrum.h", "Plugin/Gui/SpectrumCurve.h",
         "Python/Binding/BindingModule.cxx", "Testing/Readers/read_blocked_volume.py",
         "Tools/PrintedSpectrum.cxx")),

@@ -6,13 +6,13 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/VolumeOpener.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockReference.h"
 #include "Storage/Store/QueryStatistics.h"
 #include "Storage/Store/StoreFaults.h"
 #include "Storage/Store/StoreSearch.h"
 #include "Storage/Store/VolumeLayout.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <atomic>
 #include <cstdint>

@@ -4,7 +4,7 @@
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
 #include <cstdint>

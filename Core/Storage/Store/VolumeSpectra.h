@@ -4,9 +4,9 @@
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/SpectraFile.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
 #include <memory>

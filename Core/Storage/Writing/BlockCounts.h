@@ -7,10 +7,10 @@
 #include "Ground/Volume/SampleView.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Storage/Record/DecodedBlock.h"
+#include "Storage/Spectrum/GrowingSpectrum.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/StoreSpectra.h"
-#include "Surface/Spectrum/GrowingSpectrum.h"
 
 #include <cstddef>
 #include <memory>

@@ -2,7 +2,7 @@
 #include "Storage/Writing/StoreSpectra.h"
 
 #include "Ground/Base/Coding.h"
-#include "Surface/Spectrum/BlockActivity.h"
+#include "Storage/Spectrum/BlockActivity.h"
 
 #include <algorithm>
 #include <utility>

@@ -5,10 +5,10 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/ValueKey.h"
+#include "Storage/Spectrum/GrowingSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/SpectraFile.h"
-#include "Surface/Spectrum/GrowingSpectrum.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
 #include <cstdint>

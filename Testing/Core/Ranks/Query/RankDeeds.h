@@ -12,9 +12,9 @@
 #include "Ranks/Query/ProgressiveLevels.h"
 #include "Ranks/Query/VolumeContour.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
+#include "Storage/Spectrum/GridSpectrum.h"
 #include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
-#include "Surface/Spectrum/GridSpectrum.h"
 
 #include <string>
 #include <utility>

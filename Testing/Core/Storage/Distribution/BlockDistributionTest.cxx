@@ -3,7 +3,7 @@
 
 #include "Fixtures/SampleVolume.h"
 #include "Ground/Volume/BlockGrid.h"
-#include "Surface/Spectrum/BlockWorkload.h"
+#include "Storage/Spectrum/BlockWorkload.h"
 
 #include <gtest/gtest.h>
 

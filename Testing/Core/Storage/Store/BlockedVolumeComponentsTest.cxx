@@ -3,9 +3,9 @@
 #include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/BlocksByForce.h"
 #include "Fixtures/VolumeOnDisk.h"
+#include "Storage/Spectrum/BlockWorkload.h"
 #include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
-#include "Surface/Spectrum/BlockWorkload.h"
 
 #include <cmath>
 #include <limits>

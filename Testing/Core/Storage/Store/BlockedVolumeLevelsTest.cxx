@@ -4,9 +4,9 @@
 #include "Fixtures/ActiveBlocks.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
+#include "Storage/Spectrum/BlockWorkload.h"
 #include "Storage/Store/StoredBlockSource.h"
 #include "Storage/Writing/OverviewSamples.h"
-#include "Surface/Spectrum/BlockWorkload.h"
 
 using namespace isosurface;
 

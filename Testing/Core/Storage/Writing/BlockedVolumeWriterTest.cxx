@@ -4,8 +4,8 @@
 
 #include "Fixtures/LongTests.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Surface/Spectrum/BlockMeasure.h"
-#include "Surface/Spectrum/BlockWorkload.h"
+#include "Storage/Spectrum/BlockMeasure.h"
+#include "Storage/Spectrum/BlockWorkload.h"
 
 #include <atomic>
 

@@ -4,9 +4,9 @@
 
 #include "Ground/Base/Coding.h"
 #include "Ground/Volume/SampleRange.h"
-#include "Surface/Spectrum/BlockMeasure.h"
-#include "Surface/Spectrum/BlockWorkload.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/BlockMeasure.h"
+#include "Storage/Spectrum/BlockWorkload.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <cstdint>
 #include <vector>

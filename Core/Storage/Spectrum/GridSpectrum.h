@@ -9,8 +9,8 @@
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/SampleView.h"
 #include "Ground/Volume/ValueKey.h"
-#include "Surface/Spectrum/BlockMeasure.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/BlockMeasure.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <cstddef>
 #include <cstdint>

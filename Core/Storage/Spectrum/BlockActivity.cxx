@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/BlockActivity.h"
+#include "Storage/Spectrum/BlockActivity.h"
 
 #include <algorithm>
 

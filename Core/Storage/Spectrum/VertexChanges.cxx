@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/VertexChanges.h"
+#include "Storage/Spectrum/VertexChanges.h"
 
 #include "Ground/Base/Coding.h"
 #include "Ground/Base/ProcessorClones.h"

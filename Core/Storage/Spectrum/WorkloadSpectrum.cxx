@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <algorithm>
 #include <cmath>

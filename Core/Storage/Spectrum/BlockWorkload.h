@@ -3,8 +3,8 @@
 #define isosurface_BlockWorkload_h
 
 #include "Ground/Volume/SampleView.h"
-#include "Surface/Spectrum/VertexChanges.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/VertexChanges.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <cstdint>
 #include <vector>

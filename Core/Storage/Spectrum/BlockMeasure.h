@@ -6,8 +6,8 @@
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/SampleView.h"
 #include "Ground/Volume/ValueKey.h"
-#include "Surface/Spectrum/CellMeasure.h"
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/CellMeasure.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <array>
 #include <cstddef>

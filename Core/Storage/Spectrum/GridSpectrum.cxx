@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/GridSpectrum.h"
+#include "Storage/Spectrum/GridSpectrum.h"
 
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/SampleRange.h"
-#include "Surface/Spectrum/BlockActivity.h"
-#include "Surface/Spectrum/BlockMeasure.h"
-#include "Surface/Spectrum/BlockWorkload.h"
+#include "Storage/Spectrum/BlockActivity.h"
+#include "Storage/Spectrum/BlockMeasure.h"
+#include "Storage/Spectrum/BlockWorkload.h"
 
 #include <algorithm>
 #include <utility>

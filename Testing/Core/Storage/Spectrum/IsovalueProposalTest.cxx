@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/IsovalueProposal.h"
+#include "Storage/Spectrum/IsovalueProposal.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/BlockMeasure.h"
+#include "Storage/Spectrum/BlockMeasure.h"
 
 #include "Ground/Base/ProcessorClones.h"
-#include "Surface/Spectrum/CellMeasure.h"
+#include "Storage/Spectrum/CellMeasure.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/GrowingSpectrum.h"
+#include "Storage/Spectrum/GrowingSpectrum.h"
 
 #include "Fixtures/SampleVolume.h"
 #include "Ground/Volume/BlockGrid.h"

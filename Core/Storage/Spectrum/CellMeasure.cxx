@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/CellMeasure.h"
+#include "Storage/Spectrum/CellMeasure.h"
 
 #include "Ground/Base/ProcessorClones.h"
 

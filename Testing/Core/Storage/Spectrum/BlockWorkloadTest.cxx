@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Surface/Spectrum/BlockWorkload.h"
+#include "Storage/Spectrum/BlockWorkload.h"
 
 #include "Fixtures/SampleVolume.h"
 #include "Ground/Volume/BlockGrid.h"

@@ -2,7 +2,7 @@
 #ifndef isosurface_IsovalueProposal_h
 #define isosurface_IsovalueProposal_h
 
-#include "Surface/Spectrum/WorkloadSpectrum.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 
 #include <optional>
 #include <vector>
