@@ -351,6 +351,10 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
     vtkLogF(WARNING, "%s: its datasets cannot be listed: %s", ToText(this->SourceName).c_str(),
       exception.what());
   }
+  if (this->Dataset && this->Datasets->LookupValue(this->Dataset) < 0)
+  {
+    this->Datasets->InsertNextValue(this->Dataset); // another name of one of them
+  }
   return this->Datasets;
 }
 

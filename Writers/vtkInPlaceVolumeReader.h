@@ -65,8 +65,8 @@ public:
 
   ///@{
   /**
-   * The dataset within the source. Empty or "automatic": as the source says, which has to name one
-   * (OME-Zarr, VTKHDF) or have only one.
+   * The dataset within the source; a series of DICOM also by its UID. Empty or "automatic": as the source
+   * says, which has to name one (OME-Zarr, VTKHDF) or have only one.
    */
   vtkSetStringMacro(Dataset);
   vtkGetStringMacro(Dataset);
@@ -87,7 +87,7 @@ public:
   int GetIsRaw();
 
   /**
-   * "automatic" and the datasets of the source. Owned by the reader. Cost: reading metadata.
+   * "automatic", the datasets of the source and the chosen one. Owned by the reader. Cost: reading metadata.
    */
   vtkStringArray* GetDatasets();
 

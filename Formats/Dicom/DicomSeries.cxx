@@ -4,6 +4,8 @@
 #include "Formats/Source/TextFields.h"
 #include "Ground/Base/FileSystem.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -95,6 +97,45 @@ Status AddFolder(const std::string& folder, const std::vector<std::string>& name
   return Status::Ok();
 }
 
+/// `distinction`: 0 of a series that reads like no other, up to 3 of those that do.
+std::string MakeName(const std::string& uid, const DicomSeries& series, int distinction)
+{
+  if (series.Slices.empty())
+  {
+    return uid;
+  }
+  const DicomSlice& first = series.Slices[0];
+  const std::string& number = first.SeriesNumber;
+  const std::size_t count = series.Slices.size();
+  const std::size_t end = distinction > 2 ? 0 : uid.size() - std::min<std::size_t>(uid.size(), 8);
+  std::string name = (first.Description.empty() ? "no description" : first.Description) + " (" +
+    (first.Modality.empty() ? "" : first.Modality + ", ") + std::to_string(count) +
+    (count == 1 ? " slice of " : " slices of ") + std::to_string(first.Columns) + " x " +
+    std::to_string(first.Rows) + (distinction > 0 && !number.empty() ? ", series " + number : "") +
+    (distinction > 1 ? ", UID ..." + uid.substr(end) : "") + ")";
+  // Of any character set; a colon is what a name of a volume is split at.
+  std::replace_if(
+    name.begin(), name.end(), [](char c) { return c < ' ' || c > '~' || c == ':'; }, '_');
+  return name;
+}
+
+void MakeNames(AllSeries& all)
+{
+  for (int distinction = 0; distinction <= 3; ++distinction)
+  {
+    std::map<std::string, int> uses;
+    for (const auto& [uid, series] : all)
+    {
+      ++uses[series.Name];
+    }
+    for (auto& [uid, series] : all)
+    {
+      series.Name = distinction == 0 || uses[series.Name] > 1 ? MakeName(uid, series, distinction)
+                                                              : series.Name;
+    }
+  }
+}
+
 } // namespace
 
 Result<AllSeries> FindDicomSeries(const std::string& path, PassedOver& over)
@@ -123,6 +164,7 @@ Result<AllSeries> FindDicomSeries(const std::string& path, PassedOver& over)
       path + ": cannot be read: there are no images of DICOM" +
         (passed.empty() ? "" : "; " + passed));
   }
+  MakeNames(all);
   return all;
 }
 
@@ -149,7 +191,7 @@ Result<std::vector<DicomSlice>> ChooseDicomSeries(const VolumeName& name, Passed
   std::string known;
   for (auto& [uid, series] : *all)
   {
-    if (uid == wanted)
+    if (uid == wanted || series.Name == wanted)
     {
       return take(series);
     }
@@ -166,8 +208,7 @@ Result<std::vector<DicomSlice>> ChooseDicomSeries(const VolumeName& name, Passed
     }
     if (!slices.empty())
     {
-      known += (known.empty() ? "" : ", ") + uid + " (" + std::to_string(slices.size()) +
-        " slices, \"" + slices[0].Description + "\")";
+      known += (known.empty() ? " as in \"" + name.Path + ":" : ", \"") + series.Name + "\"";
     }
   }
   if (fitting.empty())
@@ -176,9 +217,8 @@ Result<std::vector<DicomSlice>> ChooseDicomSeries(const VolumeName& name, Passed
   }
   if (fitting.size() != 1)
   {
-    return Status(StatusCode::NotFound,
-      name.GetText() + ": cannot be read: name one of its series, as in " + name.Path +
-        ":UID: " + known);
+    return Status(
+      StatusCode::NotFound, name.GetText() + ": cannot be read: name one of its series," + known);
   }
   return take(*fitting[0]);
 }

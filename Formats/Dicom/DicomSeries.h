@@ -18,6 +18,9 @@ struct DicomSeries
 {
   std::vector<DicomSlice> Slices;
   Status Fault; ///< of the first of its images that cannot be read
+  /// "Thorax 5.0 B30f (CT, 120 slices of 512 x 512)"; the UID if no image can be read. Of series that would
+  /// have the same one, their numbers and perhaps the ends of their UIDs stand in it.
+  std::string Name;
 };
 
 /**

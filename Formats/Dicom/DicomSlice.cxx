@@ -76,6 +76,7 @@ void TakePlace(const DicomDataSet& tags, DicomSlice& slice)
   }
   if (const auto distances = tags.GetNumbers(0x00280030, 2))
   {
+    slice.HasDistances = true;
     slice.RowDistance = (*distances)[0];
     slice.ColumnDistance = (*distances)[1];
   }
@@ -128,7 +129,7 @@ std::string FindNotes(const DicomDataSet& tags, const DicomSlice& slice)
       slice.Scale.Slope * padding + slice.Scale.Intercept, padding);
     note(text.data());
   }
-  if (slice.HasPlace && !tags.GetNumbers(0x00280030, 2))
+  if (slice.HasPlace && !slice.HasDistances)
   {
     note("there is no Pixel Spacing: rows and columns are 1 mm apart");
   }
@@ -162,6 +163,8 @@ Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
 {
   slice.Series = tags.GetText(0x0020000e);
   slice.Description = tags.GetText(0x0008103e);
+  slice.Modality = tags.GetText(0x00080060);
+  slice.SeriesNumber = tags.GetText(0x00200011);
   slice.Photometric = tags.GetText(0x00280004);
   slice.Syntax = tags.GetSyntax();
   if (FindSyntax(slice) == gdcm::TransferSyntax::TS_END)
@@ -186,7 +189,7 @@ Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
   slice.Scale = { tags.GetNumber(0x00281053, 1), tags.GetNumber(0x00281052, 0) };
   // The images of CT say which type they have if it is not this one (PS3.3, C.8.2.1).
   const std::string scaledTo = tags.GetText(0x00281054);
-  slice.IsHounsfield = scaledTo == "HU" || (scaledTo.empty() && tags.GetText(0x00080060) == "CT");
+  slice.IsHounsfield = scaledTo == "HU" || (scaledTo.empty() && slice.Modality == "CT");
   TakePlace(tags, slice);
   slice.ImageType = tags.GetText(0x00080008);
   for (std::size_t moment = 0; moment < slice.Moments.size(); ++moment)

@@ -24,8 +24,10 @@ struct DicomSlice
   std::string Path;
   std::string Series; ///< instance UID
   std::string Description;
-  std::string Photometric; ///< "MONOCHROME2"
-  std::string Syntax;      ///< UID of the transfer syntax
+  std::string Modality;     ///< "CT"
+  std::string SeriesNumber; ///< may be empty
+  std::string Photometric;  ///< "MONOCHROME2"
+  std::string Syntax;       ///< UID of the transfer syntax
   std::int64_t Rows = 0;
   std::int64_t Columns = 0;
   std::int64_t Frames = 1;
@@ -43,6 +45,7 @@ struct DicomSlice
   double PositionUnit = 0;   ///< a step of the last digit of those, in millimetres
   Vector3 AlongRow{};        ///< unit vector from column to column
   Vector3 AlongColumn{};     ///< unit vector from row to row
+  bool HasDistances = false; ///< whether the next two are in the header (Pixel Spacing)
   double RowDistance = 1;    ///< between rows
   double ColumnDistance = 1;
   double SliceDistance = 0; ///< SpacingBetweenSlices; 0: it is not in the header

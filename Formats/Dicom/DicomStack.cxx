@@ -285,6 +285,7 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
   grid.Origin = first.Position;
   grid.Spacing = { first.ColumnDistance, first.RowDistance,
     ShortenDistance(distance, slices.size() - 1, uncertainty) };
+  grid.Unit = first.HasDistances ? LengthUnit::Millimeter : LengthUnit::Unknown;
   // By more than the digits may be wrong.
   const double aside = std::sqrt(std::max(0.0, 1 - Dot(step, normal) * Dot(step, normal))) *
     distance * static_cast<double>(count - 1);

@@ -164,15 +164,15 @@ Result<std::vector<VolumeListing>> ListDicom(FileSystem& /*files*/, const Volume
   {
     if (!series.Fault.IsOk())
     {
-      list.push_back({ uid, "?", "?", series.Fault.GetMessage() });
+      list.push_back({ series.Name, "?", "?", series.Fault.GetMessage() });
       continue;
     }
     const Slices& slices = series.Slices;
-    list.push_back({ uid,
+    list.push_back({ series.Name,
       std::to_string(slices.size()) + " x " + std::to_string(slices[0].Rows) + " x " +
         std::to_string(slices[0].Columns),
       GetValueTypeName(slices[0].Type),
-      "\"" + slices[0].Description + "\", transfer syntax " + slices[0].Syntax });
+      "series " + uid + ", transfer syntax " + slices[0].Syntax });
   }
   return list;
 }

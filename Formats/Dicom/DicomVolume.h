@@ -16,7 +16,7 @@ namespace isosurface
  *     folder         the only series in the folder or else in its folders; those without a readable image
  *                    do not count; DICOMDIR stands for its folder
  *     pattern        the only series of the files that fit
- *     folder:UID     the series of this instance UID, or of the only one that ends so
+ *     folder:NAME    the series of this name (DicomSeries.h) or instance UID, or of the only UID that ends so
  *
  * DicomSeries.h and DicomStack.h tell which files are taken. The grid is that of the patient: millimetres, x to the left, y to the back, z up. A tilted
  * gantry gives directions that are not at right angles, and is named in LeftOut. Slope and intercept

@@ -3,6 +3,7 @@
 """Series of pydicom, read by blockvolume: check_dicom.py TOOL MPIEXEC SCRATCH CLAIM"""
 import json
 import os
+import re
 import shutil
 import sys
 
@@ -76,7 +77,7 @@ class Series(Files):
                           spacing=(0.5, 0.25, 2))
                 path = self.write(f"s{number}", "o.bvol", ranks=2 if number == 3 else 1)
                 self.assert_equal_volumes(path, self.write_raw(
-                    samples, "DICOM", spacing=(0.5, 0.25, 2), origin=(-3, 7, 1.5)))
+                    samples, "DICOM", spacing=(0.5, 0.25, 2), origin=(-3, 7, 1.5), unit="mm"))
 
     def test_the_same_image_in_other_transfer_syntaxes(self):
         # Images of pydicom, as series of three slices; those of the dose have 32 bits.
@@ -96,7 +97,7 @@ class Series(Files):
                     file.save_as(self.path(f"{name}/{number}.dcm"))
                 self.assert_equal_volumes(
                     self.write(name, "o.bvol"),
-                    self.write_raw(samples, "DICOM", spacing=spacing, origin=(4, -7, 1.5)))
+                    self.write_raw(samples, "DICOM", spacing=spacing, origin=(4, -7, 1.5), unit="mm"))
 
     def test_slope_and_intercept(self):
         samples = make_samples("uint16", SHAPE)
@@ -107,7 +108,7 @@ class Series(Files):
                 self.save("r", samples, slope=slope, intercept=intercept, bits=bits)
                 values = (samples * float(slope) + intercept).astype(dtype)
                 self.assert_equal_volumes(self.write("r", "o.bvol"),
-                                          self.write_raw(values, "DICOM"))
+                                          self.write_raw(values, "DICOM", unit="mm"))
 
     def test_hounsfield_units_are_told(self):
         samples = make_samples("int16", SHAPE)
@@ -138,14 +139,32 @@ class Series(Files):
         self.save("two", other, series="1.2.45")
         with open(self.path("two/notes.txt"), "w") as file:
             file.write("no image")
-        self.assert_error("two", "1.2.3 (9 slices, \"head 1.2.3\"), 1.2.45 (9 slices")
-        expected = self.write_raw(other, "DICOM")
-        for name in ("two:1.2.45", "two:.45"):
+        self.assert_error("two", "name one of its series, as in \"two:head 1.2.3 (MR, 9 slices of 70 x 37)\", \"head")
+        expected = self.write_raw(other, "DICOM", unit="mm")
+        for name in ("two:1.2.45", "two:.45", "two:head 1.2.45 (MR, 9 slices of 70 x 37)"):
             self.assert_equal_volumes(self.write(name, "o.bvol"), expected)
-        self.assert_equal_volumes(self.write(last, "o.bvol"), self.write_raw(head, "DICOM"))
+        self.assert_equal_volumes(self.write(last, "o.bvol"), self.write_raw(head, "DICOM", unit="mm"))
         code, out, _ = self.run_tool("--list", "two")
         self.assertEqual((code, len(out.splitlines())), (0, 2))
-        self.assertRegex(out, r"1\.2\.3  +9 x 37 x 70 +int16 +\"head 1.2.3\", transfer syntax 1.2.84")
+        self.assertRegex(out, r"head 1\.2\.3 \(MR, 9 slices of 70 x 37\) +9 x 37 x 70 +int16 +series 1.2.3, transfer syntax")
+
+    def test_series_that_read_alike_are_told_apart(self):
+        samples = make_samples("int16", (3, 6, 8))
+        for uid, number in (("1.2.30000001", 4), ("1.2.30000002", 5), ("1.2.30000003", 5), ("1.2.4", 4)):
+            self.save("alike", samples + number, series=uid)
+            for name in range(3):
+                name = self.path(f"alike/{uid}-{name}")
+                file = dcmread(name)
+                file.SeriesNumber = number
+                file.SeriesDescription = "T2*: axial/" + ("other" if uid == "1.2.4" else "head")
+                file.save_as(name)
+        names = [re.split("  +", line)[0] for line in self.run_tool("--list", "alike")[1].splitlines()]
+        alike = "T2*_ axial/head (MR, 3 slices of 8 x 6, series "
+        self.assertEqual(names, [alike + "4)", alike + "5, UID ...30000002)", alike + "5, UID ...30000003)",
+                                 "T2*_ axial/other (MR, 3 slices of 8 x 6)"])
+        for name, number in zip(names, (4, 5, 5, 4)):
+            self.assert_equal_volumes(self.write("alike:" + name, "o.bvol"),
+                                      self.write_raw(samples + number, "DICOM", unit="mm"))
 
     def test_a_segmentation_beside_a_series(self):
         samples = make_samples("int16", SHAPE)
@@ -156,7 +175,7 @@ class Series(Files):
         file.NumberOfFrames = len(samples)
         file.PixelData = numpy.packbits(samples > 0, bitorder="little").tobytes().ljust(2 * 1456, b"\0")
         file.save_as(path)
-        self.assert_equal_volumes(self.write("seg", "o.bvol"), self.write_raw(samples, "DICOM"))
+        self.assert_equal_volumes(self.write("seg", "o.bvol"), self.write_raw(samples, "DICOM", unit="mm"))
         self.assert_error("seg:1.2.9", "seg/1.2.9-0: cannot be read: its samples have 1 bits")
         out = self.run_tool("--list", "seg")[1]
         self.assertRegex(out, r"1\.2\.9  +\? +\? +seg/1\.2\.9-0: cannot be read: its samples have 1 bits")
@@ -271,7 +290,7 @@ class PlacesAndErrors(Files):
         self.save("unsigned", samples.astype("uint16"))
         shutil.copy(self.path("unsigned/1.2.3-1"), self.path("mixed/1.2.3-1"))
         self.assert_equal_volumes(  # the type has the values of both
-            self.write("mixed", "o.bvol"), self.write_raw(samples.astype("int32"), "DICOM"))
+            self.write("mixed", "o.bvol"), self.write_raw(samples.astype("int32"), "DICOM", unit="mm"))
 
     def test_what_is_no_series_of_slices_is_told(self):
         samples = make_samples("int16", SHAPE)
@@ -316,9 +335,9 @@ class Folders(Files):
         self.save(folder, samples, **more)
         return samples
 
-    def assert_read(self, name, samples, *words):
+    def assert_read(self, name, samples, *words, unit="mm"):
         """The volume of that name has the samples, and the terminal says so much and no more."""
-        expected = self.write_raw(samples, "DICOM")
+        expected = self.write_raw(samples, "DICOM", unit=unit)
         path = self.path("o.bvol")
         remove_volume(path)
         code, _, err = self.run_tool(name, path, "--stores", "3")
@@ -372,7 +391,7 @@ class Folders(Files):
             dataset.save_as(path)
         self.assert_read("implicit", implicit)
         self.save("tree/other", samples[:2], series="1.2.9")
-        self.assert_error("tree", "name one of its series", "1.2.3 (71 slices", "1.2.9 (2 slices")
+        self.assert_error("tree", "name one of its series", "head 1.2.3 (MR, 71 slices", "head 1.2.9 (MR, 2 slices")
         self.assert_read("tree:1.2.3", samples, "passed over")
 
     def test_scouts_and_copies(self):
@@ -414,7 +433,7 @@ class Folders(Files):
                         else:
                             setattr(file, element, value)
                     file.save_as(self.path(f"{key}/{name}"))
-                self.assert_read(key, samples, words)
+                self.assert_read(key, samples, words, unit="" if key == "spacing" else "mm")
 
 
 if __name__ == "__main__":

@@ -346,7 +346,7 @@ TEST(DicomVolume, AnUnreadableImageIsAnErrorOfItsSeriesAlone)
     }
     const auto list = Require(ListForeignVolumes(GetLocalFileSystem(), folder.Path.string()));
     ASSERT_EQ(list.size(), 2u);
-    EXPECT_EQ(list[0].Name + ": " + list[0].Shape, "1.2.3: 2 x 2 x 3");
+    EXPECT_EQ(list[0].Name + ": " + list[0].Shape, "head (2 slices of 3 x 2): 2 x 2 x 3");
     EXPECT_EQ(list[1].Name + ": " + list[1].Storage, "1.2.9: " + error);
     // A slice of the series that is chosen is no less an error than before.
     folder.Write("bad.dcm", bytes, "1.2.3");
