@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a person sees of ParaView's window, for hand.py: paraview --script=eye.py, with EYE, a path.
+"""What a person sees of ParaView's window, for hand.py: paraview --script=eye.py, with EYE, a name.
 
-A socket at that path takes expressions of the functions below, one a connection, and answers in JSON.
+A socket of that name (in no folder) takes expressions of the functions below, one a connection, and answers in JSON.
 They look, and never touch: what is done is done by mouse and keyboard.
 """
 import json
@@ -104,10 +104,12 @@ def read_view():
 
 
 def remember_view():
-    """The share of pixels that are not background, of which there is most; keeps the image."""
-    remembered.append(read_view())
-    colors, counts = numpy.unique(remembered[-1].reshape(-1, 3), axis=0, return_counts=True)
-    return 1 - counts.max() / counts.sum()
+    """The share of pixels that are not background, of which there is most; 0 if others were remembered."""
+    view = read_view()
+    steady = remembered and numpy.array_equal(remembered[0], view)
+    remembered[:] = [view]
+    colors, counts = numpy.unique(view.reshape(-1, 3), axis=0, return_counts=True)
+    return 1 - counts.max() / counts.sum() if steady else 0
 
 
 def compare_view():
@@ -116,9 +118,9 @@ def compare_view():
         view = read_view()
     except StopIteration:
         return 1.0
-    if view.shape != remembered[-1].shape:
+    if view.shape != remembered[0].shape:
         return 1.0
-    return float((abs(view - remembered[-1]).max(axis=2) > 40).mean())
+    return float((abs(view - remembered[0]).max(axis=2) > 40).mean())
 
 
 def count_cells():
@@ -127,6 +129,13 @@ def count_cells():
 
     return {name[0]: source.GetDataInformation().GetNumberOfCells()
             for name, source in simple.GetSources().items()}
+
+
+def is_remote():
+    """Whether data are on a server."""
+    from paraview import servermanager
+
+    return servermanager.ActiveConnection.IsRemote()
 
 
 def save_screen(path):
@@ -150,7 +159,7 @@ def answer():
 
 remembered = []
 server = socket.socket(socket.AF_UNIX)
-server.bind(os.environ["EYE"])
+server.bind("\0" + os.environ["EYE"])
 server.listen()
 server.setblocking(False)
 timer = QtCore.QTimer()

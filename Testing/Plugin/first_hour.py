@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first hour with the window, by mouse and keyboard (hand.py). In plain Python:
 
-    first_hour.py --paraview PATH --pvbatch PATH --pvserver PATH --mpiexec "mpiexec -n" --plugin PATH
-        --volumes FOLDER --output FOLDER TEST...
+    first_hour.py --paraview PATH --version NUMBER --pvbatch PATH --pvserver PATH --mpiexec "mpiexec -n"
+        --plugin PATH --volumes FOLDER --output FOLDER TEST...
 
 What ParaView's player of tests calls, it does not see: what a dialog lists, whether a button is enabled.
 """
@@ -31,9 +31,9 @@ LISTED_BY_NOBODY = ["IM0001", "7", "s", "notes.xyzw"]
 
 
 def make_samples(size=48):
-    """A ball in a box: 0 far away, 400 in the middle."""
+    """A ball in a box: 0 far away, 1200 in the middle, 300 (bone) at three quarters of the way."""
     at = numpy.indices((size,) * 3) - (size - 1) / 2
-    return (400 - 400 * numpy.sqrt((at**2).sum(axis=0)) / (size / 2)).clip(0).astype("<i2")
+    return (1200 - 1200 * numpy.sqrt((at**2).sum(axis=0)) / (size / 2)).clip(0).astype("<i2")
 
 
 def write_dicom(folder, samples, series=1, description="Thorax 1.0"):
@@ -90,9 +90,9 @@ class FirstHour(unittest.TestCase):
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def open_window(self, *options, plugin=True):
-        window = hand.Window(self.display, arguments.paraview, self.path("home"),
-                             arguments.plugin if plugin else None, *options)
+    def open_window(self, plugin=True, port=None):
+        window = hand.Window(self.display, arguments.paraview, arguments.version, self.path("home"),
+                             arguments.plugin if plugin else None, port)
         self.addCleanup(window.end)
         return window
 
@@ -107,21 +107,22 @@ class FirstHour(unittest.TestCase):
         return window, sorted(sum(names, []))
 
     def contour(self, window):
-        window.press("Accept")
+        window.apply()
         window.choose("Filters", "Scalable Isosurface", "Isosurface")
-        window.press("Accept")
+        window.apply()
         window.see()
 
     def measure(self, window):
         """A ruler in the view."""
         before = window.look("count_cells()")
         window.choose("Sources", "Alphabetical", "Ruler")
-        window.press("Accept")
+        window.apply()
         window.wait("len(count_cells()) > %d" % len(before))
         window.see()
 
     def check_state(self, window):
         """What is on screen is the same after it is saved and loaded, and in pvbatch."""
+        self.check_no_messages(window)
         window.save_screen(self.path("before.png"))
         state = self.path("what.pvsm")
         cells = window.look("count_cells()")
@@ -138,14 +139,19 @@ class FirstHour(unittest.TestCase):
         window.key("Return")
         window.wait("compare_view()", lambda share: share < 0.02)
         window.save_screen(self.path("after.png"))
-        self.assertEqual(window.look("count_cells()"), cells)
+        self.check_no_messages(window)
+        window.wait("count_cells()", lambda now: now == cells)
         said = subprocess.run(
             [arguments.pvbatch, os.path.join(hand.HERE, "show_state.py"), arguments.plugin, state],
-            env=self.display.environment, timeout=hand.WAIT_SECONDS, check=True, text=True, stdout=subprocess.PIPE)
+            env=self.display.environment, timeout=hand.STEP_SECONDS, check=True, text=True, stdout=subprocess.PIPE)
         # The readers' pieces overlap on several ranks.
         surfaces = [item for item in cells.items() if re.match("StabbingContour|Isosurface", item[0])]
         self.assertEqual(len(surfaces), 1)
         self.assertIn(repr(surfaces[0]), said.stdout)
+
+    def check_no_messages(self, window):
+        """The window of ParaView's errors and warnings opens with the first of them."""
+        self.assertEqual(window.look("find('', 'pqOutputWidget')"), [])
 
     def test_dialog_lists_what_stock_lists_and_ours(self):
         os.makedirs(self.path("data/folder"))
@@ -202,7 +208,12 @@ class FirstHour(unittest.TestCase):
 
     def test_a_series_is_on_a_server_of_two_ranks(self):
         port, server = self.start_server()
-        window = self.open_window("--server-url=cs://localhost:%d" % port)
+        window = self.open_window(port=port)
+        window.choose("File", "Connect...")
+        window.wait("dialog().startswith('Choose Server')")
+        window.pick("servers", "two ranks")
+        window.press("connect")
+        window.wait("dialog() == '' and is_remote()")
         window.choose("File", "Open...")
         window.enter("Open File", arguments.volumes)
         window.pick("Files", "series.bvol")
@@ -212,18 +223,20 @@ class FirstHour(unittest.TestCase):
         self.measure(window)
         self.check_state(window)
         window.end()
-        server.wait(timeout=hand.WAIT_SECONDS)
+        server.wait(timeout=hand.STEP_SECONDS)
 
     def start_server(self):
-        server = subprocess.Popen(
-            [*arguments.mpiexec.split(), "2", arguments.pvserver, "--server-port=0",
-             "--plugin-search-paths=" + os.path.dirname(arguments.plugin), "--plugins=ScalableIsosurface"],
-            env=self.display.environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        self.addCleanup(server.kill)
-        for line in server.stdout:
-            if accepts := re.search(r"Accepting connection.*:(\d+)$", line):
-                return int(accepts[1]), server
-        raise AssertionError("the server has ended")
+        with open(self.path("server.log"), "w") as log:
+            server = hand.start(
+                [*arguments.mpiexec.split(), "2", arguments.pvserver, "--server-port=0"],
+                env={**self.display.environment, "PV_PLUGIN_PATH": os.path.dirname(arguments.plugin)},
+                stdout=log, stderr=subprocess.STDOUT)
+        self.addCleanup(hand.end, server)
+
+        def find_port():
+            with open(self.path("server.log"), errors="replace") as log:
+                return re.search(r"Accepting connection.*:(\d+)$", log.read(), re.MULTILINE)
+        return int(hand.wait_for("the server's port", find_port)[1]), server
 
     def test_what_plain_python_saves_is_opened(self):
         subprocess.run(
@@ -246,7 +259,7 @@ class FirstHour(unittest.TestCase):
 def run():
     global arguments
     parser = argparse.ArgumentParser()
-    for name in ("paraview", "pvbatch", "pvserver", "mpiexec", "plugin", "volumes", "output"):
+    for name in ("paraview", "version", "pvbatch", "pvserver", "mpiexec", "plugin", "volumes", "output"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("tests", nargs="*")
     arguments = parser.parse_args()

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A display, a window manager, ParaView's window on it, and a hand: a mouse and a keyboard (xdotool).
 
-The hand never sleeps for a fixed time: what it waits for, it looks for (eye.py).
+The hand never sleeps for a fixed time: what it waits for, it looks for (eye.py). All that it starts ends with it,
+even if it is killed.
 """
+import ctypes
 import json
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -16,12 +19,44 @@ sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from time_limits import WAIT_SECONDS  # noqa: E402  (found in the folder above)
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SCREEN = (1366, 768)
-POLL_SECONDS = 0.05
 SETTINGS = """[General]
 GeneralSettings.ShowSplashScreen=false
 GeneralSettings.ShowWelcomeDialog=false
 """
+# What File > Connect... lists.
+SERVERS = """<Servers><Server name="two ranks" resource="cs://localhost:%d"><ManualStartup/></Server></Servers>"""
+SCREEN = (1366, 768)
+POLL_SECONDS = 0.05
+AGAIN_SECONDS = 3
+STEP_SECONDS = WAIT_SECONDS / 5  # one wait; a step takes seconds where nothing else runs
+END_WITH_PARENT = 1  # PR_SET_PDEATHSIG
+prctl = ctypes.CDLL(None).prctl
+
+
+def start(command, **options):
+    """A process that gets SIGTERM when this one ends in whatever way."""
+    return subprocess.Popen(command, preexec_fn=lambda: prctl(END_WITH_PARENT, signal.SIGTERM), **options)
+
+
+def end(process):
+    process.terminate()
+    try:
+        process.wait(timeout=STEP_SECONDS)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def wait_for(what, look, fits=bool, explain=str):
+    """What look() gives as soon as it fits; None never does."""
+    deadline = time.monotonic() + STEP_SECONDS
+    while True:
+        seen = look()
+        if seen is not None and fits(seen):
+            return seen
+        if time.monotonic() > deadline:
+            raise AssertionError("waited for %s: %s" % (what, explain(seen)))
+        time.sleep(POLL_SECONDS)
 
 
 class Display:
@@ -29,67 +64,70 @@ class Display:
 
     def __init__(self):
         read, write = os.pipe()
-        self.server = subprocess.Popen(
+        self.server = start(
             ["Xvfb", "-displayfd", str(write), "-noreset", "-screen", "0", "%dx%dx24" % SCREEN],
             pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as number:
             self.environment = {**os.environ, "DISPLAY": ":" + number.readline().strip()}
-        self.manager = subprocess.Popen(
+        self.manager = start(
             ["openbox"], env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def end(self):
-        for process in (self.manager, self.server):
-            process.terminate()
-            process.wait()
+        end(self.manager)
+        end(self.server)
 
 
 class Window:
     """ParaView on a display, in a home of its own; its output is in a log."""
 
-    def __init__(self, display, paraview, folder, plugin=None, *options):
+    def __init__(self, display, paraview, version, folder, plugin=None, port=None):
         self.display, self.folder = display, folder
         shutil.rmtree(folder, ignore_errors=True)
-        for version in ("ParaView", "ParaView5.11.0", "ParaView5.13.2"):
-            os.makedirs(os.path.join(folder, ".config", "ParaView"), exist_ok=True)
-            with open(os.path.join(folder, ".config", "ParaView", version + ".ini"), "w") as file:
-                file.write(SETTINGS)
-        # The path of a socket must be short.
-        self.eye = "/tmp/eye.%d.%d" % (os.getpid(), id(self) % 100000)
+        settings = os.path.join(folder, ".config", "ParaView")
+        os.makedirs(settings)
+        servers = SERVERS % port if port else ""
+        # ParaView 6.1's settings, and those of older ones.
+        for name, text in [("ParaView.ini", SETTINGS), ("ParaView%s.ini" % version, SETTINGS), ("servers.pvsc", servers)]:
+            with open(os.path.join(settings, name), "w") as file:
+                file.write(text)
+        # A socket without a file, which nobody has to remove.
+        self.eye = "eye.%d.%d" % (os.getpid(), id(self))
         environment = {**display.environment, "EYE": self.eye, "HOME": folder,
                        "XDG_CONFIG_HOME": os.path.join(folder, ".config")}
         environment.pop("PV_PLUGIN_PATH", None)
         loaded = [] if plugin is None else [
             "--plugin-search-paths=" + os.path.dirname(plugin), "--plugins=ScalableIsosurface"]
         self.log = open(os.path.join(folder, "window.log"), "wb")
-        self.process = subprocess.Popen(
-            [paraview, *loaded, *options, "--script=" + os.path.join(HERE, "eye.py")],
+        self.process = start(
+            [paraview, *loaded, "--script=" + os.path.join(HERE, "eye.py")],
             env=environment, cwd=folder, stdout=self.log, stderr=subprocess.STDOUT)
-        size = self.wait("find('pqClientMainWindow')")[0]["size"]
-        self.click((SCREEN[0] // 3, 8), 2)  # the title, so that the window is as large as the screen
-        self.wait("find('pqClientMainWindow')", lambda found: found[0]["size"] != size)
+        main = self.wait("find('pqClientMainWindow')")[0]
+        # The title, so that the window is as large as the screen.
+        self.click((main["at"][0], main["at"][1] - main["size"][1] // 2 - 10), 2)
+        self.wait("find('pqClientMainWindow')", lambda found: found and found[0]["size"][0] > SCREEN[0] - 20)
 
     def end(self):
         self.process.kill()
         self.process.wait()
         self.log.close()
-        if os.path.exists(self.eye):
-            os.remove(self.eye)
 
     # The eye
 
     def look(self, question):
         """The answer of eye.py; None while the window does not answer."""
         with socket.socket(socket.AF_UNIX) as connection:
-            connection.settimeout(WAIT_SECONDS)
+            connection.settimeout(STEP_SECONDS)
             try:
-                connection.connect(self.eye)
+                connection.connect("\0" + self.eye)
                 connection.sendall((question + "\n").encode())
                 said = connection.makefile("rb").read()
             except OSError:
                 said = b""
         if self.process.poll() is not None:
-            raise AssertionError("the window has ended (%d) at %s" % (self.process.returncode, question))
+            with open(self.log.name, errors="replace") as log:
+                raise AssertionError("the window has ended (%d) at %s: %s" %
+                                     (self.process.returncode, question, log.read()[-1000:]))
         if not said:
             return None
         said = json.loads(said)
@@ -99,25 +137,19 @@ class Window:
 
     def wait(self, question, fits=bool):
         """Looks until the answer fits."""
-        deadline = time.monotonic() + WAIT_SECONDS
-        while True:
-            answer = self.look(question)
-            if answer is not None and fits(answer):
-                return answer
-            if time.monotonic() > deadline:
-                self.save_screen("waited.png")
-                raise AssertionError("%s is still %s" % (question, answer))
-            time.sleep(POLL_SECONDS)
+        return wait_for(question, lambda: self.look(question), fits,
+                        lambda answer: "%s; see %s" % (answer, self.save_screen("waited.png")))
 
     def save_screen(self, name):
         path = os.path.join(self.folder, name)
-        assert self.look("save_screen(%r)" % path)
+        self.look("save_screen(%r)" % path)
         return path
 
     # The hand
 
     def do(self, *arguments):
-        subprocess.run(["xdotool", *map(str, arguments)], env=self.display.environment, check=True)
+        subprocess.run(["xdotool", *map(str, arguments)], env=self.display.environment, check=True,
+                       timeout=STEP_SECONDS)
 
     def click(self, at, times=1):
         self.do("mousemove", *at, "click", "--repeat", times, "--delay", 60, 1)
@@ -128,15 +160,36 @@ class Window:
     def key(self, *keys):
         self.do("key", *keys)
 
+    def click_until(self, done, question):
+        """Clicks the first that is found and enabled. ParaView drops clicks while it computes: then, again."""
+        clicked = -AGAIN_SECONDS
+
+        def click():
+            nonlocal clicked
+            if self.look(done):
+                return True
+            found = self.look(question)
+            if found and found[0]["enabled"] and time.monotonic() > clicked + AGAIN_SECONDS:
+                self.click(found[0]["at"])
+                clicked = time.monotonic()
+            return False
+
+        wait_for(done, click, explain=lambda _: self.save_screen("waited.png"))
+
     def press(self, name="", kind="QAbstractButton", text=None):
         """Clicks a widget as soon as it is there and enabled."""
         self.click(self.wait("find(%r, %r, %r)" % (name, kind, text),
                              lambda found: found and found[0]["enabled"])[0]["at"])
 
+    def apply(self):
+        self.wait("find('Accept')", lambda found: found and found[0]["enabled"])
+        self.click_until("find('Accept') and not find('Accept')[0]['enabled']", "find('Accept')")
+
     def choose(self, *texts):
         """Clicks entries of menus, from the menu bar on."""
-        for text in texts:
-            self.click(self.wait("entries(%r)" % text, lambda found: found and found[0]["enabled"])[0]["at"])
+        for text, following in zip(texts, texts[1:] + ("",)):
+            self.click_until("entries(%r)" % following if following else "not entries(%r)" % text,
+                             "entries(%r)" % text)
 
     def enter(self, title, typed):
         """Types into a dialog."""
@@ -155,7 +208,7 @@ class Window:
         self.click(next(row for row in rows if row["texts"][0] == text)["at"])
 
     def see(self):
-        """Waits until the view shows a surface that is final, and remembers it."""
+        """Waits until the view shows a surface that is final and stays as it is, and remembers it."""
         self.wait("find('RefinementStatus')",
                   lambda found: found and re.match("(?i)(level 0 shown|full resolution)", found[0]["text"]))
         self.wait("remember_view()", lambda share: share > 0.02)
