@@ -5,6 +5,8 @@
 #include "Formats/Hdf5/Hdf5Walk.h"
 #include "Ground/Base/FileSystem.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <filesystem>
 #include <system_error>
@@ -14,6 +16,31 @@ namespace isosurface
 {
 namespace
 {
+
+/// A number, or a list of at most 4096; null of other attributes.
+nlohmann::json DescribeNumbers(const Hdf5Handle& attribute)
+{
+  const Hdf5Handle type(attribute.IsOpen() ? ::H5Aget_type(attribute.Get()) : -1, ::H5Tclose);
+  const Hdf5Handle space(attribute.IsOpen() ? ::H5Aget_space(attribute.Get()) : -1, ::H5Sclose);
+  const hssize_t count = space.IsOpen() ? ::H5Sget_simple_extent_npoints(space.Get()) : 0;
+  if (!type.IsOpen() || count < 1 || count > 4096 || !FindHdf5ValueType(type.Get()))
+  {
+    return nullptr;
+  }
+  const auto read = [&](auto zero, hid_t as) -> nlohmann::json
+  {
+    std::vector<decltype(zero)> numbers(static_cast<std::size_t>(count));
+    if (::H5Aread(attribute.Get(), as, numbers.data()) < 0)
+    {
+      return nullptr;
+    }
+    const bool isList = ::H5Sget_simple_extent_ndims(space.Get()) > 0;
+    return isList ? nlohmann::json(numbers) : nlohmann::json(numbers.front());
+  };
+  return ::H5Tget_class(type.Get()) == H5T_FLOAT ? read(0.0, H5T_NATIVE_DOUBLE)
+    : ::H5Tget_sign(type.Get()) == H5T_SGN_NONE  ? read(std::uint64_t{ 0 }, H5T_NATIVE_UINT64)
+                                                 : read(std::int64_t{ 0 }, H5T_NATIVE_INT64);
+}
 
 std::string DescribeFilters(hid_t plist)
 {
@@ -319,6 +346,23 @@ std::vector<std::string> Hdf5File::FindAttributes(const std::string& object) con
   ::H5Aiterate_by_name(this->File->Get(), object.c_str(), H5_INDEX_NAME, H5_ITER_INC, &at, note,
     &names, this->Links->GetAccess());
   return names;
+}
+
+std::string Hdf5File::DescribeAttributes(const std::string& object) const
+{
+  const Hdf5Scope scope;
+  nlohmann::json attributes = nlohmann::json::object();
+  for (const std::string& name : this->FindAttributes(object))
+  {
+    const std::vector<std::string> texts = this->ReadTexts(object, name);
+    const Hdf5Handle attribute(::H5Aopen_by_name(this->File->Get(), object.c_str(), name.c_str(),
+                                 H5P_DEFAULT, this->Links->GetAccess()),
+      ::H5Aclose);
+    attributes[name] = texts.empty() ? DescribeNumbers(attribute)
+      : texts.size() > 1             ? nlohmann::json(texts)
+                                     : nlohmann::json(texts.front());
+  }
+  return attributes.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 std::vector<std::string> Hdf5File::FindNames(const std::string& group) const

@@ -57,6 +57,8 @@ public:
   /// The numbers of a dataset of one axis, at most `most`. Errors: those of OpenArray(), Corrupt.
   Result<std::vector<double>> ReadList(const std::string& path, std::int64_t most) const;
   std::vector<std::string> FindAttributes(const std::string& object) const;
+  /// All attributes: OpenedVolume::Attributes.
+  std::string DescribeAttributes(const std::string& object) const;
   /// The paths of the datasets that give the coordinates of each axis of a dataset (dimension scales);
   /// empty where an axis has none.
   std::vector<std::string> FindScales(const std::string& path) const;

@@ -117,6 +117,7 @@ Result<OpenedVolume> OpenDataset(
   volume.Grid.Extent = {};
   volume.Times = std::move(description.Times);
   volume.LeftOut = description.Notes;
+  volume.Attributes = choice.WantsAttributes ? file.DescribeAttributes(path) : "";
   ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), choice.Arrays, volume));
   for (ArrayDescription& taken : volume.Arrays)
   {

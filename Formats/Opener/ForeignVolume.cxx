@@ -29,9 +29,9 @@ Result<OpenedVolume> OpenFormat(
           " files; copy them: blockvolume " + name.Path + " OUT.bvol");
     }
     return Status(StatusCode::Unsupported,
-      name.Path +
-        ": cannot be read: it is neither MetaImage, NRRD, TIFF, nor of another format by "
-        "its name or first bytes");
+      name.Path + ": cannot be read: by its name and first bytes it is of none of these: " +
+        ListFormatNames() + ". What VTK reads (.vti, .vtk, ...) can be copied: blockvolume " +
+        name.Path + " OUT.bvol");
   }
   if (!choice.Axes.empty() && !format->TakesAxes && !choice.IsRecorded)
   {

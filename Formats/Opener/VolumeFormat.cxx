@@ -197,6 +197,16 @@ Result<FormatFunctions> VolumeFormat::Load(const std::string& path) const
   return *static_cast<const FormatFunctions*>(*module);
 }
 
+std::string ListFormatNames()
+{
+  std::string names;
+  for (const VolumeFormat& format : GetFormats())
+  {
+    names += (names.empty() ? "" : ", ") + std::string(format.Name);
+  }
+  return names;
+}
+
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
 {
   const bool isPattern = IsPattern(files, name.Path);

@@ -40,6 +40,9 @@ struct VolumeFormat
   Result<FormatFunctions> Load(const std::string& path) const;
 };
 
+/// "MetaImage, NRRD, ...": the names of all formats.
+std::string ListFormatNames();
+
 /// The format of a name: of a folder by the names in it, of a file by its extension or its first
 /// bytes, or because the name says what its samples are. Null if it has none. Files that do not
 /// exist have one if their extension tells.

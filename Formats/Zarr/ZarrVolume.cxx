@@ -50,6 +50,11 @@ public:
   {
     this->Volume.Grid.Extent = {};
     ISOSURFACE_RETURN_IF_ERROR(this->OpenFolder(0));
+    if (this->Choice.WantsAttributes)
+    {
+      this->Volume.Attributes =
+        this->Attributes.dump(-1, ' ', false, Json::error_handler_t::replace);
+    }
     return std::move(this->Volume);
   }
 
@@ -73,6 +78,7 @@ private:
     if (const Json& image = FindImage(ome); !image.is_null())
     {
       this->TellOthers(ome);
+      this->Attributes = node->Attributes;
       return this->OpenImage(image, FindJson(ome, "omero"), std::nullopt, node->Version == 5);
     }
     if (!FindJson(ome, "bioformats2raw.layout").is_null() && depth < MaximumZarrDepth)
@@ -178,6 +184,7 @@ private:
         {
           this->ArrayName = this->ArrayName.empty() ? this->MakeName() : this->ArrayName;
           this->Folder = group.string();
+          this->Attributes = outer->Attributes;
           return this->OpenImage(
             image, FindJson(FindOme(*outer), "omero"), level, outer->Version == 5);
         }
@@ -264,6 +271,7 @@ private:
     this->Axes = *axes;
     this->Volume.Files = { folder };
     this->Volume.Storage = node.Array.dump();
+    this->Attributes.update(node.Attributes);
     if (!isImage)
     {
       this->TakeArrayPlace(folder, node, names);
@@ -530,6 +538,7 @@ private:
   std::string Folder;
   std::string ArrayName;
   ArrayAxes Axes;
+  Json Attributes = Json::object();  ///< of the group of an image, and of the array
   std::map<char, std::string> Units; ///< of the axes of multiscales, by their letters
   OpenedVolume Volume;
 };

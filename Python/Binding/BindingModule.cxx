@@ -11,6 +11,7 @@
 #include "VolumeWriting.h"
 
 #include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Source/FolderFiles.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/ParallelFor.h"
@@ -90,12 +91,12 @@ std::optional<py::bytes> FindIndex(
   return isCurrent ? std::optional(py::bytes(index.Path)) : std::nullopt;
 }
 
-/// Writes the index of a source.
-void WriteIndex(const std::string& path, const std::string& axes, const std::string& folder,
+/// Writes the index of a source. Gives what of it is left out.
+std::string WriteIndex(const std::string& path, const std::string& axes, const std::string& folder,
   std::uint64_t memoryBytes, int threads)
 {
-  RunWithoutGil(path,
-    [&](const Progress& progress) -> Status
+  return RunWithoutGil(path,
+    [&](const Progress& progress) -> Result<std::string>
     {
       FileSystem& files = GetLocalFileSystem();
       const SourceIndex index = SourceIndex::Find(files, path, "", axes, folder);
@@ -104,11 +105,43 @@ void WriteIndex(const std::string& path, const std::string& axes, const std::str
       if (*state != IndexState::Current)
       {
         SerialCommunicator alone;
-        ISOSURFACE_RETURN_IF_ERROR(
-          WriteSourceIndex(alone, files, index, memoryBytes, progress, nullptr, nullptr, threads)
-            .GetStatus());
+        return WriteSourceIndex(
+          alone, files, index, memoryBytes, progress, nullptr, nullptr, threads);
       }
-      return Status::Ok();
+      return std::string();
+    });
+}
+
+/// The names of what is in a file of another format; none if it has one volume.
+std::vector<std::string> ListDatasets(const std::string& path)
+{
+  const auto listed = RunWithoutGil(path,
+    [&](const Progress&) -> Result<std::vector<VolumeListing>>
+    {
+      auto list = ListForeignVolumes(GetLocalFileSystem(), path);
+      return list.GetStatus().GetCode() == StatusCode::Unsupported ? std::vector<VolumeListing>()
+                                                                   : std::move(list);
+    });
+  std::vector<std::string> names;
+  for (const VolumeListing& one : listed)
+  {
+    names.push_back(one.Name);
+  }
+  return names;
+}
+
+/// The attributes of a dataset of another format: an object of JSON, or "".
+std::string ReadAttributes(const std::string& path, const std::string& axes)
+{
+  return RunWithoutGil(path,
+    [&](const Progress&) -> Result<std::string>
+    {
+      VolumeChoice choice;
+      choice.Axes = axes;
+      choice.WantsAttributes = true;
+      auto opened = OpenForeignVolume(GetLocalFileSystem(), path, choice);
+      ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+      return std::move(opened->Attributes);
     });
 }
 
@@ -241,7 +274,9 @@ py::array_t<std::int64_t> MakeActiveBlocks(VolumeFile& file, std::size_t array, 
 py::dict MakeIsosurface(VolumeFile& file, std::size_t array, int component, std::size_t timeStep,
   int level, const std::vector<double>& isovalues,
   const std::optional<std::array<double, 6>>& bounds, bool normals,
-  const std::vector<std::size_t>& attributes, int precision, int threads)
+  const std::vector<std::size_t>& attributes, int precision,
+  const std::tuple<bool, bool, bool>& closing,
+  const std::optional<std::tuple<int, double, std::uint64_t>>& islands, int threads)
 {
   SurfaceRequest request;
   request.Isovalues = isovalues;
@@ -249,6 +284,21 @@ py::dict MakeIsosurface(VolumeFile& file, std::size_t array, int component, std:
   request.Normals = normals;
   request.Precision = static_cast<PointPrecision>(precision);
   request.Attributes = attributes;
+  const auto [isClosed, isBelow, dropsDegenerates] = closing;
+  if (isClosed)
+  {
+    request.ClosedSides = GridSides::All();
+    request.ClosedSides.AreBeyondInside = isBelow;
+  }
+  request.DropDegenerateTriangles = isClosed || dropsDegenerates;
+  if (islands)
+  {
+    request.Islands.emplace();
+    request.Islands->Size = static_cast<IslandSize>(std::get<0>(*islands));
+    request.Islands->MinimumSize = std::get<1>(*islands);
+    request.Islands->MaximumIslands = std::get<2>(*islands);
+    request.Islands->Level = level;
+  }
   request.Threads = CountThreads(threads);
   std::string warning;
   const ContouredSamples samples{ array, component, timeStep, level };
@@ -385,6 +435,8 @@ PYBIND11_MODULE(_core, module)
   module.def("open_source", &OpenInPlace, "path"_a, "axes"_a, "threads"_a);
   module.def("open_surface", &OpenSurface, "path"_a);
   module.def("find_index", &FindIndex, "path"_a, "axes"_a, "folder"_a);
+  module.def("list_datasets", &ListDatasets, "path"_a);
+  module.def("read_attributes", &ReadAttributes, "path"_a, "axes"_a);
   module.def("write_index", &WriteIndex, "path"_a, "axes"_a, "folder"_a, "memory"_a, "threads"_a);
 
   py::class_<VolumeFile, std::shared_ptr<VolumeFile>>(module, "VolumeFile")
@@ -392,6 +444,7 @@ PYBIND11_MODULE(_core, module)
     .def_property_readonly("arrays", &ListArrays)
     .def_property_readonly("times", &VolumeFile::GetTimes)
     .def_property_readonly("levels", &VolumeFile::GetNumberOfLevels)
+    .def_property_readonly("left_out", &VolumeFile::GetLeftOut)
     .def("describe", &DescribeLevel, "level"_a)
     .def("read", &ReadSamples, "samples"_a, "array"_a, "components"_a, "step"_a, "level"_a, "low"_a,
       "high"_a, "stride"_a, "threads"_a)
@@ -399,7 +452,8 @@ PYBIND11_MODULE(_core, module)
     .def("active_blocks", &MakeActiveBlocks, "array"_a, "component"_a, "step"_a, "level"_a,
       "isovalues"_a, "bounds"_a)
     .def("isosurface", &MakeIsosurface, "array"_a, "component"_a, "step"_a, "level"_a,
-      "isovalues"_a, "bounds"_a, "normals"_a, "attributes"_a, "precision"_a, "threads"_a);
+      "isovalues"_a, "bounds"_a, "normals"_a, "attributes"_a, "precision"_a, "closing"_a,
+      "islands"_a, "threads"_a);
 
   py::class_<SurfaceFile, std::shared_ptr<SurfaceFile>>(module, "SurfaceFile")
     .def_property_readonly("missing", &SurfaceFile::GetMissing)

@@ -106,6 +106,7 @@ Result<std::shared_ptr<SourceVolume>> SourceVolume::Open(
   volume->Grid = opened->Grid;
   volume->Lines = std::move(opened->Lines);
   volume->Arrays = std::move(opened->Arrays);
+  volume->LeftOut = std::move(opened->LeftOut);
   volume->Times.assign(opened->Times.begin(), opened->Times.end());
   volume->Times.resize(std::max<std::size_t>(1, volume->Times.size()));
   const Index3 dimensions = volume->Grid.GetDimensions();

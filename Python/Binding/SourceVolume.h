@@ -26,6 +26,7 @@ public:
   const std::vector<ArrayDescription>& GetArrays() const override { return this->Arrays; }
   const std::vector<std::optional<double>>& GetTimes() const override { return this->Times; }
   int GetNumberOfLevels() const override { return 1; }
+  std::string GetLeftOut() const override { return this->LeftOut; }
   LevelDescription Describe(int level) const override;
   /// One thread reads at a time. Memory: 64 MiB, or what the file has to decode at once.
   Status Read(const SampleRequest& request, void* samples, const Progress& progress) override;
@@ -57,6 +58,7 @@ private:
   std::optional<GridLines> Lines;
   std::vector<ArrayDescription> Arrays;
   std::vector<std::optional<double>> Times;
+  std::string LeftOut;
   Index3 Chunk{ 1, 1, 1 };
 
   std::mutex KnownMutex;                    ///< guards Known

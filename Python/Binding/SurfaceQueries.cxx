@@ -36,11 +36,23 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   searched.Query.Variable = *variable;
   searched.Query.Isovalues = request.Isovalues;
   searched.Query.Attributes = request.Attributes;
+  searched.Query.Selection.ClosedSides = request.ClosedSides;
   if (request.Bounds)
   {
     searched.Query.Selection.Region = Region::FromBounds(*request.Bounds);
   }
   return searched;
+}
+
+Status KeepIslands(
+  const ExtractionTask& task, int level, const IslandRequest& islands, Surface& surface)
+{
+  const GridGeometry grid = task.Volume->GetHeader().Grid.Coarsen(level);
+  const IslandGrids grids{ TriangleBounds::Of(grid, task.Volume->GetLines(level)),
+    { SharedPlanes(grid, task.Request) } };
+  SerialCommunicator alone;
+  ChosenIslands unused;
+  return ChooseIslands(alone, islands, grids, task.Threads, surface, unused);
 }
 
 /// Runs a step anew as long as it fails, and other replicas of stores are known.
@@ -66,6 +78,9 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   task.Request.Normals = request.Normals;
   task.Request.NormalsRoundedOnce = true;
   task.Request.Precision = request.Precision;
+  task.Request.ClosedSides = request.ClosedSides;
+  task.Request.DropDegenerateTriangles = request.DropDegenerateTriangles;
+  task.Request.GlobalIds = request.Islands.has_value();
   task.Threads = request.Threads;
   task.Advance = progress;
   for (const std::size_t array : request.Attributes)
@@ -76,6 +91,11 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   ExtractionOutcome outcome;
   ISOSURFACE_RETURN_IF_ERROR(
     RunAlone(*task.Volume, warning, [&] { return ExtractLevel(task, samples.Level, outcome); }));
+  if (request.Islands)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      KeepIslands(task, samples.Level, *request.Islands, outcome.Extracted));
+  }
   return std::move(outcome.Extracted);
 }
 

@@ -4,6 +4,7 @@
 
 #include "VolumeFile.h"
 
+#include "Ranks/Islands/IslandChoice.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Surface/Contour/Surface.h"
 
@@ -33,12 +34,15 @@ struct SurfaceRequest
   std::optional<std::array<double, 6>> Bounds; ///< Region::FromBounds; nothing: everywhere
   bool Normals = false;
   PointPrecision Precision = PointPrecision::Default;
-  std::vector<std::size_t> Attributes; ///< arrays to interpolate
+  GridSides ClosedSides;
+  bool DropDegenerateTriangles = false;
+  std::optional<IslandRequest> Islands; ///< nothing: all
+  std::vector<std::size_t> Attributes;  ///< arrays to interpolate
   int Threads = 1;
 };
 
 /// The isosurfaces. `warning` names lost stores, whose replicas were read. Cost and errors:
-/// ExtractLevel, and GetBlocks of the file.
+/// ExtractLevel, ChooseIslands, and GetBlocks of the file.
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning);
 

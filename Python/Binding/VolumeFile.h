@@ -61,6 +61,8 @@ public:
   /// Of all time steps, of which there is at least one.
   virtual const std::vector<std::optional<double>>& GetTimes() const = 0;
   virtual int GetNumberOfLevels() const = 0;
+  /// OpenedVolume::LeftOut, where a file of another format was opened.
+  virtual std::string GetLeftOut() const { return {}; }
   virtual LevelDescription Describe(int level) const = 0;
 
   /// Fills `samples` with tuples of the chosen components. The request must be within the volume.

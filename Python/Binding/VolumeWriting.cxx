@@ -4,6 +4,7 @@
 #include "PythonErrors.h"
 
 #include "Ground/Base/Communicator.h"
+#include "Ground/Base/OutputCheck.h"
 
 namespace isosurface
 {
@@ -67,10 +68,14 @@ void VolumeWriting::WriteFile(
   this->WriteSteps(times,
     [&](BlockedVolumeWriter& writer, const BlockedVolumeSettings& settings, std::size_t step)
     {
-      const auto open = [&](BlockedVolumeSettings& ofStep)
+      const auto open = [&](BlockedVolumeSettings& ofStep) -> Result<std::unique_ptr<BoxSource>>
       {
         auto source = file.OpenSource(step, ofStep.Threads, ofStep.MemoryLimit);
         ofStep.Files = file.GetSourceFiles(step);
+        for (const std::string& path : ofStep.Files.Paths)
+        {
+          ISOSURFACE_RETURN_IF_ERROR(CheckIsOther(this->Path, path));
+        }
         return source;
       };
       this->WriteStep(writer, settings, file.GetArrays(), open, [] {});

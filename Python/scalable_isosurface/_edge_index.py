@@ -16,7 +16,7 @@ from ._volume import list_isovalues
 class EdgeIndex:
     """A surface in an edge-index file (.eix), decoded when it is asked for.
 
-    `open` makes it.
+    `open_surface` makes it.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class EdgeIndex:
 
     Examples
     --------
-    >>> file = si.open("waves.eix")
+    >>> file = si.open_surface("waves.eix")
     >>> file
     <EdgeIndex 'waves.eix' of 'waves': isovalues 0.3>
     >>> file.isosurface()

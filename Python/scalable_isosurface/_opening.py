@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Optional, Union
 
 from . import _core
 from ._arguments import take_path, take_text, take_threads
 from ._edge_index import EdgeIndex
-from ._volume import Volume, open_volume
+from ._volume import name_file, open_volume, Volume
 
 #: Bytes that indexing and writing may take, as ParaView's writer.
 MEMORY = 1 << 30
@@ -29,8 +30,9 @@ def open(
     ----------
     path : str or path
         A blocked volume (.bvol), or a file or folder of another format: MetaImage,
-        NRRD, NIfTI, MRC, TIFF, DICOM, HDF5, NetCDF, Zarr, N5 or raw samples. What is meant within a file
-        follows a colon: ``"run.h5:/entry/data"``, ``"scan.raw:512x512x300,uint16"``.
+        NRRD, NIfTI, MRC, TIFF, DICOM, HDF5, NetCDF, Zarr, N5, raw samples, or an array (z, y, x) of
+        NumPy (.npy). What is meant within a file (`Volume.datasets`) follows a colon:
+        ``"run.h5:/entry/data"``, ``"scan.raw:512x512x300,uint16"``.
     step : int
         The number of the time step; negative from the last one on.
     axes : str
@@ -55,6 +57,11 @@ def open(
     IndexError
         There is no such time step.
 
+    Warns
+    -----
+    UserWarning
+        What of a file of another format is not read, or not used; if it has an index, `index` has told it.
+
     Examples
     --------
     >>> si.open("waves.nrrd")
@@ -66,7 +73,15 @@ def open(
     name = take_path("path", path)
     if _core.find_kind(os.fsencode(name)) == "edge index":
         return EdgeIndex(name, threads)  # type: ignore[return-value] # as before there was open_surface
-    return open_volume(name, step, axes, take_path("index_folder", index_folder), threads)
+    volume = open_volume(name, step, axes, take_path("index_folder", index_folder), threads)
+    tell_left_out(name, volume._opened.file.left_out)
+    return volume
+
+
+def tell_left_out(path: str, what: str) -> None:
+    """To be called by the function that the user calls."""
+    if what:
+        warnings.warn(f"{path}: {what}", stacklevel=3)
 
 
 def open_surface(path: Union[str, os.PathLike], *, threads: Optional[int] = None) -> EdgeIndex:
@@ -125,8 +140,8 @@ def index(
     """
     name = take_path("path", path)
     folder = take_path("index_folder", index_folder)
-    _core.find_kind(os.fsencode(name))  # says so if there is no such file
-    _core.write_index(
-        os.fsencode(name), take_text("axes", axes), os.fsencode(folder), MEMORY, take_threads(threads)
-    )
+    file = name_file(name)
+    _core.find_kind(file)  # says so if there is no such file
+    left_out = _core.write_index(file, take_text("axes", axes), os.fsencode(folder), MEMORY, take_threads(threads))
+    tell_left_out(name, left_out)
     return open_volume(name, 0, axes, folder, threads)

@@ -117,7 +117,8 @@ class Surface:
     @property
     def volume(self) -> float:
         """What a closed surface encloses, as its triangles have it: positive where samples are above the
-        isovalue inside. Without meaning for an open surface.
+        isovalue inside, or if ``isosurface(..., inside="below")`` has closed it. Without meaning for an open
+        surface.
 
         Raises
         ------

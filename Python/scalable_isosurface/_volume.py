@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+import json
 import os
-from typing import Any, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 import numpy
 
 from . import _core
-from ._arguments import take_integer, take_numbers, take_path, take_text, take_threads
+from ._arguments import take_integer, take_number, take_numbers, take_text, take_threads
 from ._indexing import AxisRange, parse_key
 from ._surface import Surface
 
@@ -45,6 +46,36 @@ def _find_precision(dtype: Any) -> int:
     return 1 + names.index(numpy.dtype(dtype).name)
 
 
+#: By what islands are large or small, in the order of C++.
+_ISLAND_SIZES = ("triangles", "area", "volume")
+
+
+def _take_name(name: str, value: Any, names: Sequence[str]) -> int:
+    """The number of one of some names."""
+    if value not in names:
+        raise ValueError(f"{name} is {' or '.join(map(repr, names))}, and not {value!r}")
+    return names.index(value)
+
+
+def name_file(path: str) -> bytes:
+    """The name in C++. What a file of NumPy (.npy) has is told as that of raw samples."""
+    if not path.endswith(".npy") or not os.path.isfile(path):
+        return os.fsencode(path)
+    try:
+        array = numpy.lib.format.open_memmap(path, mode="r")
+    except ValueError as error:
+        raise OSError(f"{path}: cannot be read: {error}") from None
+    if array.ndim != 3 or not array.flags.c_contiguous or array.dtype.name not in _core.VALUE_TYPES:
+        raise OSError(
+            f"{path}: cannot be read: it has the shape {array.shape} and the type {array.dtype}; "
+            "create(numpy.load(path, mmap_mode='r'), 'NAME.bvol', axes=...) makes a volume of other arrays "
+            "than (z, y, x)"
+        )
+    size = "x".join(map(str, reversed(array.shape)))
+    order = ",big-endian" if array.dtype.str.startswith(">") else ""
+    return os.fsencode(f"{path}:{size},{array.dtype.name},header-bytes={array.offset}{order}")
+
+
 class _Opened:
     """A file and how it was opened; shared by the volumes that were made of one another."""
 
@@ -52,8 +83,9 @@ class _Opened:
         self.how = (path, axes, index_folder, threads)
         self.path = path
         self.threads = take_threads(threads)
-        name = os.fsencode(path)
-        if _core.find_kind(name) == "blocked volume":
+        name = self.name = name_file(path)
+        self.is_stored = _core.find_kind(name) == "blocked volume"
+        if self.is_stored:
             self._file: Optional[_core.VolumeFile] = _core.open_stored(name)
         else:
             index = _core.find_index(name, take_text("axes", axes), os.fsencode(index_folder))
@@ -222,6 +254,25 @@ class Volume:
         """The number of levels of detail: 1 for a file of another format that has no index."""
         return self._opened.file.levels
 
+    @property
+    def attributes(self) -> Dict[str, Any]:
+        """The attributes of the dataset in a file of HDF5, Zarr or N5, of an image in Zarr also those of its
+        group, read anew each time: texts, numbers, and flat lists of them; None for others and for NaN. Empty
+        for other formats, and for blocked volumes, which do not have them.
+        """
+        if self._opened.is_stored:
+            return {}
+        attributes: Dict[str, Any] = json.loads(_core.read_attributes(self._opened.name, self._opened.how[1]) or "{}")
+        return attributes
+
+    @property
+    def datasets(self) -> Tuple[str, ...]:
+        """What the file of another format has: each name opens as ``open("path:name")``. Of an image in
+        OME-Zarr these are the levels of its own pyramid. They are no `levels` here, since their samples are
+        averages, and a level has every second sample of the one before.
+        """
+        return () if self._opened.is_stored else tuple(_core.list_datasets(self._opened.name))
+
     def array(self, name: str) -> Volume:
         """Another array of the file; also ``volume[name]``.
 
@@ -326,6 +377,12 @@ class Volume:
         component: Optional[int] = None,
         attributes: Sequence[str] = (),
         dtype: Any = None,
+        close_boundary: bool = False,
+        inside: str = "above",
+        drop_degenerate_triangles: bool = False,
+        maximum_islands: int = 0,
+        minimum_island_size: float = 0,
+        island_size: str = "triangles",
     ) -> Surface:
         """Extracts isosurfaces: triangles and points are those of vtkFlyingEdges3D.
 
@@ -354,6 +411,21 @@ class Volume:
         dtype : float32 or float64, optional
             Of the points; if it is not given, float64 where float32 has fewer than 16 places between
             neighbouring samples, as at map coordinates, else float32.
+        close_boundary : bool
+            Whether to close the surface at the sides of the volume, as for printing. Degenerate triangles are
+            dropped then.
+        inside : "above" or "below"
+            Of a closed surface: whether it bounds what is at least the isovalue, or what is below it, as pores;
+            then normals point to higher values, and corners run the other way round.
+        drop_degenerate_triangles : bool
+            Whether to leave out triangles whose corners meet in a sample that is the isovalue.
+        maximum_islands : int
+            How many connected parts to keep of each isosurface, the largest; 0: all.
+        minimum_island_size : float
+            Smaller ones are left out.
+        island_size : "triangles", "area" or "volume"
+            By what islands are large or small: triangles (at full resolution), or area or enclosed volume in the
+            unit of `spacing`.
 
         Raises
         ------
@@ -374,8 +446,16 @@ class Volume:
         <Surface of 0.3: 9691 triangles, 5200 points>
         >>> surface.points.mean(axis=0).round(1)
         array([ 9.7, 14.9, 19.7], dtype=float32)
+        >>> si.open("waves.bvol").isosurface(0.3, close_boundary=True, maximum_islands=1, island_size="volume")
+        <Surface of 0.3: 14282 triangles, 7135 points>
         """
         file = self._opened.file
+        below = _take_name("inside", inside, ("above", "below")) == 1
+        if below and not close_boundary:
+            raise ValueError("inside='below' is of closed surfaces: close_boundary=True")
+        least = take_number("minimum_island_size", minimum_island_size)
+        most = take_integer("maximum_islands", maximum_islands, 0)
+        size = _take_name("island_size", island_size, _ISLAND_SIZES)
         return Surface(
             **file.isosurface(
                 self._array,
@@ -387,6 +467,8 @@ class Volume:
                 bool(normals),
                 [self._find_array(name) for name in attributes],
                 _find_precision(dtype),
+                (bool(close_boundary), below, bool(drop_degenerate_triangles)),
+                (size, least, most) if least > 0 or most > 0 else None,
                 self._opened.threads,
             )
         )
@@ -433,6 +515,7 @@ class Volume:
         Examples
         --------
         >>> spectrum = si.open("waves.bvol").spectrum()
+        >>> assert spectrum.area is not None
         >>> isovalue = spectrum.isovalues[spectrum.area.argmax()]
         >>> bool(spectrum.isovalues[0] < isovalue < spectrum.isovalues[-1])
         True

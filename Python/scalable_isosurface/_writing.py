@@ -12,7 +12,7 @@ import numpy
 
 from . import _core
 from ._arguments import take_integer, take_number, take_numbers, take_path, take_text, take_threads
-from ._opening import MEMORY
+from ._opening import MEMORY, tell_left_out
 from ._volume import Volume, open_volume
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -128,7 +128,8 @@ def create(
     Warns
     -----
     UserWarning
-        The disk may be too small: the samples do not fit uncompressed. They are written nevertheless.
+        The disk may be too small: the samples do not fit uncompressed. They are written nevertheless. Or:
+        what of a file is not read (see `open`).
 
     Examples
     --------
@@ -163,6 +164,7 @@ def create(
         if name is not None:
             raise ValueError("name: the arrays of a file have names")
         file = open_volume(take_path("source", source), 0, axes, threads=threads)
+        tell_left_out(file.path, file._opened.file.left_out)
         _write_file(file, target, place, settings, None if time is None else take_number("time", time), bool(append))
     else:
         name = None if name is None else take_text("name", name)
@@ -178,8 +180,7 @@ def _write_file(
         file = volume._opened.file
         if time is not None and volume.steps > 1:
             raise ValueError(f"time: {volume.path} has {volume.steps} time steps")
-        if volume.steps > 1 and _is_file_of(volume, path):
-            raise ValueError(f"{path}: is its own source, and has several time steps; write another file")
+        _check_output(path, volume, volume.steps == 1, "several time steps")
         writing = place.make_writing(path, file.describe(0))
         writing.set(**settings._asdict(), time=time, append=append)
         writing.write_file(file, volume.times if time is None else [time])
@@ -207,8 +208,7 @@ def _write_arrays(
     volumes = [array.source for array in arrays if isinstance(array.source, Volume)]
     for volume in volumes:
         is_whole = volume.steps == 1 and {other.name for other in volumes}.issuperset(volume.arrays)
-        if not append and not is_whole and _is_file_of(volume, path):
-            raise ValueError(f"{path}: is its own source, and has other time steps or arrays; write another file")
+        _check_output(path, volume, append or is_whole, "other time steps or arrays")
     first = arrays[0]
     if any((array.shape, array.steps) != (first.shape, first.steps) for array in arrays):
         raise ValueError("the arrays have not the same shape")
@@ -233,10 +233,18 @@ def _write_arrays(
     writing.write_arrays(steps, times, first.chunk)
 
 
-def _is_file_of(volume: Volume, path: str) -> bool:
-    """Whether a volume, or the index by which it was opened, is the file at a path."""
-    opened = os.fsdecode(volume._opened.file.path)  # "run.h5:/data" of another format, which is no blocked volume
-    return os.path.exists(opened) and os.path.exists(path) and os.path.samefile(opened, path)
+def _check_output(path: str, volume: Volume, is_whole: bool, others: str) -> None:
+    """Raises a ValueError if the new volume would replace the source, or the index by which that was opened. A
+    whole blocked volume may be replaced."""
+    for name in (os.fsdecode(volume._opened.file.path), volume.path):
+        file = name
+        while ":" in file and not os.path.exists(file):
+            file = file.rpartition(":")[0]  # "run.h5:/data"
+        if os.path.exists(file) and os.path.exists(path) and os.path.samefile(file, path):
+            if file != name or not name.endswith(".bvol"):
+                raise ValueError(f"{path}: is its own source, a file of another format; write another file")
+            if not is_whole:
+                raise ValueError(f"{path}: is its own source, and has {others}; write another file")
 
 
 def _take_three(name: str, numbers: Any) -> List[float]:

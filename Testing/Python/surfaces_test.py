@@ -129,6 +129,68 @@ class Surfaces(VolumeTest):
             middle = surface.points.mean(axis=0)
             self.assertTrue((((surface.points - middle) * surface.normals).sum(axis=1) > 0).all())
 
+    def count_edges(self, triangles):
+        """How many triangles meet at each edge; opposite directions are told apart by their sign."""
+        edges = numpy.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(int)
+        ways = numpy.where(edges[:, 0] < edges[:, 1], 1, -1)
+        _, number = numpy.unique(numpy.sort(edges, axis=1), axis=0, return_inverse=True)
+        return numpy.bincount(number.ravel()), numpy.bincount(number.ravel(), ways)
+
+    def test_closed_surfaces_enclose_what_is_above_or_below(self):
+        whole = numpy.prod((numpy.array(SHAPE[::-1]) - 1) * (0.5, 1, 2))
+        above, below = (self.volume.isosurface(0.4, close_boundary=True, inside=side) for side in ("above", "below"))
+        for surface in (above, below):
+            meeting, turns = self.count_edges(surface.triangles)
+            self.assertTrue((meeting % 2 == 0).all())
+            self.assertFalse(turns.any())
+            self.assertTrue((numpy.diff(numpy.sort(surface.triangles, axis=1), axis=1) > 0).all())
+            self.assertGreater(surface.volume, 0.1 * whole)
+        self.assertAlmostEqual((above.volume + below.volume) / whole, 1, places=5)
+        self.assertTrue((self.count_edges(self.volume.isosurface(0.4).triangles)[0] == 1).any())
+        with self.assertRaisesRegex(ValueError, "inside='below' is of closed surfaces"):
+            self.volume.isosurface(0.4, inside="below")
+
+    def test_degenerate_triangles_are_dropped_on_request(self):
+        volume = si.create((self.samples > 0.4).astype(numpy.uint8), self.path("mask.bvol"))
+        for drop in (False, True):
+            surface = volume.isosurface(1, drop_degenerate_triangles=drop)
+            corners = surface.points[surface.triangles].astype(float)
+            areas = numpy.linalg.norm(numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+            self.assertEqual((areas > 0).all(), drop)
+
+    def test_islands_are_the_largest_by_the_measure_that_is_chosen(self):
+        """A flat plate has the largest area, a ball the largest volume, a tiny ball is the smallest."""
+        z, y, x = numpy.mgrid[:40, :60, :60].astype(numpy.float32)
+        ball = 8.2 - numpy.sqrt((x - 12) ** 2 + (y - 12) ** 2 + (z - 12) ** 2)
+        plate = 1.3 - numpy.maximum.reduce([abs(z - 30) + 0 * x, abs(x - 30) - 25, abs(y - 30) - 25])
+        tiny = 1.7 - numpy.sqrt((x - 45) ** 2 + (y - 45) ** 2 + (z - 12) ** 2)
+        volume = si.create(numpy.maximum.reduce([ball, plate, tiny]), self.path("islands.bvol"), spacing=(1, 1, 1))
+        parts = {
+            name: si.create(samples, self.path(name + ".bvol")).isosurface(0)
+            for name, samples in (("ball", ball), ("plate", plate), ("tiny", tiny))
+        }
+        counts = {name: len(part.triangles) for name, part in parts.items()}
+        self.assertEqual(len(volume.isosurface(0).triangles), sum(counts.values()))
+        for keeping, kept in (
+            ({"maximum_islands": 1}, ["plate"]),
+            ({"maximum_islands": 1, "island_size": "area"}, ["plate"]),
+            ({"maximum_islands": 1, "island_size": "volume"}, ["plate"]),
+            ({"maximum_islands": 2, "island_size": "volume"}, ["ball", "plate"]),
+            ({"minimum_island_size": counts["tiny"] + 1}, ["ball", "plate"]),
+            ({"minimum_island_size": parts["ball"].area * 1.01, "island_size": "area"}, ["plate"]),
+            ({"minimum_island_size": parts["ball"].volume * 0.99, "island_size": "volume"}, ["ball", "plate"]),
+            ({"minimum_island_size": 1e9}, []),
+        ):
+            surface = volume.isosurface(0, **keeping)
+            self.assertEqual(len(surface.triangles), sum(counts[name] for name in kept), keeping)
+            points = numpy.concatenate([numpy.empty((0, 3)), *(parts[name].points for name in kept)])
+            self.assertEqual(sorted(map(tuple, surface.points)), sorted(map(tuple, points.astype("f4"))))
+        several = volume.isosurface([0, 1], maximum_islands=1)
+        self.assertEqual(several.part(0).triangles.tolist(), volume.isosurface(0, maximum_islands=1).triangles.tolist())
+        self.assertEqual(len(several.part(1).points), len(volume.isosurface(1, maximum_islands=1).points))
+        for wrong in ({"island_size": "mass"}, {"maximum_islands": -1}, {"minimum_island_size": numpy.nan}):
+            self.assertRaisesRegex(ValueError, next(iter(wrong)), volume.isosurface, 0, **wrong)
+
     def test_points_are_float64_where_float32_does_not_suffice(self):
         origin = numpy.array([448000, 6000000, -2000.0])
         for name, spacing, dtype in (("fine", 0.05, numpy.float64), ("coarse", 12.5, numpy.float32)):

@@ -2,6 +2,7 @@
 """Volumes as arrays: what scalable_isosurface.open gives, beside NumPy's own copy of the samples."""
 
 import concurrent.futures
+import glob
 import os
 import pickle
 import random
@@ -11,6 +12,7 @@ import sys
 import threading
 import time
 import unittest
+import warnings
 
 import numpy
 
@@ -21,6 +23,10 @@ try:
     import h5py
 except ImportError:
     h5py = None
+try:
+    import zarr
+except ImportError:
+    zarr = None
 
 
 class Samples(VolumeTest):
@@ -322,6 +328,97 @@ class Files(VolumeTest):
                 resident.append(int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
         self.assertLess(resident[-1] - resident[1], 4 * volume.nbytes)
         self.assertGreater(len(volume.at(0).active_blocks(100)), 300)  # read once more
+
+    @unittest.skipUnless(h5py, "there is no h5py")
+    def test_what_of_a_file_is_not_used_is_a_warning(self):
+        with h5py.File(self.path("run.h5"), "w") as file:
+            file["data"] = make_samples("int8")
+            file["data"].attrs["weather"] = "fair"
+        name = self.path("run.h5:/data")
+        told = "run.h5:/data: attributes that are not used: weather"
+        for work in (si.open, si.index, lambda source: si.create(source, self.path("out.bvol"), overwrite=True)):
+            for index in glob.glob(self.path("*-data.bvol")):
+                os.remove(index)
+            with self.assertWarnsRegex(UserWarning, told) as caught:
+                work(name)
+            self.assertEqual(os.path.basename(caught.filename), os.path.basename(__file__))
+
+    @unittest.skipUnless(h5py, "there is no h5py")
+    def test_attributes_are_those_that_h5py_reads(self):
+        attributes = {
+            "units": "counts", "names": ["a", "bü"], "gain": 1.5, "count": -3, "large": numpy.uint64(2**64 - 1),
+            "list": numpy.float32([1.5, 2.5]), "matrix": numpy.arange(6).reshape(2, 3), "one": numpy.int8([7]),
+            "yes": True, "none": h5py.Empty("f4"), "pair": numpy.zeros(1, [("a", "u1"), ("b", "i2")]),
+        }
+        with h5py.File(self.path("run.h5"), "w") as file:
+            file["data"] = make_samples("int8")
+            for key, value in attributes.items():
+                file["data"].attrs[key] = value
+            file["other"] = make_samples("uint8")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            volumes = [open_it(self.path("run.h5:/data")) for open_it in (si.open, si.index)]
+        expected = {**attributes, "matrix": [0, 1, 2, 3, 4, 5], "none": None, "pair": None}
+        for volume in volumes:
+            found = volume.attributes
+            self.assertEqual(set(found), set(expected))
+            for key, value in expected.items():
+                self.assertEqual(found[key], value.tolist() if isinstance(value, numpy.ndarray) else value, key)
+            self.assertEqual(volume.datasets, ("/data", "/other"))
+        self.assertEqual((si.open(self.path("run.h5:/other")).attributes, volume.unit), ({}, "counts"))
+        copy = si.create(volume, self.path("copy.bvol"))
+        self.assertEqual((copy.attributes, copy.datasets), ({}, ()))
+
+    @unittest.skipUnless(zarr, "there is no Zarr")
+    def test_levels_of_ome_zarr_are_datasets_and_attributes_those_of_the_image(self):
+        samples = make_samples("uint8")
+        group = zarr.open_group(self.path("image.zarr"), mode="w")
+        group["0"], group["1"] = samples, samples[::2, ::2, ::2] // 2
+        group["1"].attrs["made"] = "by averages"
+        group.attrs["who"] = "me"
+        group.attrs["multiscales"] = [{
+            "version": "0.4", "axes": [{"name": axis, "type": "space"} for axis in "zyx"],
+            "datasets": [
+                {"path": str(level), "coordinateTransformations": [{"type": "scale", "scale": [2**level] * 3}]}
+                for level in range(2)
+            ],
+        }]
+        volume = si.open(self.path("image.zarr"))
+        self.assertEqual((volume.levels, volume.datasets), (1, ("0", "1")))
+        self.assertEqual(volume.attributes, dict(group.attrs))
+        coarse = si.open(self.path("image.zarr:1"))
+        numpy.testing.assert_array_equal(coarse[...], group["1"][...])
+        self.assertEqual((coarse.spacing, coarse.attributes["made"], coarse.attributes["who"]),
+                         ((2, 2, 2), "by averages", "me"))
+
+    def test_arrays_of_numpy_are_read_where_they_lie(self):
+        for dtype in ("uint8", "<f4", ">i2", "float64"):
+            samples = make_samples(numpy.dtype(dtype).name).astype(dtype)
+            numpy.save(self.path("a.npy"), samples)
+            volume = si.open(self.path("a.npy"))
+            self.assertEqual(volume.path, self.path("a.npy"))
+            for opened in (volume, pickle.loads(pickle.dumps(volume))):
+                numpy.testing.assert_array_equal(opened[...], samples)
+        indexed = si.index(self.path("a.npy"))
+        self.assertGreater(indexed.levels, 1)
+        numpy.testing.assert_array_equal(indexed[3], samples[3])
+        numpy.testing.assert_array_equal(si.create(self.path("a.npy"), self.path("a.bvol"))[...], samples)
+        for array in (samples[0], numpy.asfortranarray(samples), samples > 0, samples.astype("f2"), samples[:0],
+                      numpy.zeros((2, 2, 2), object)):
+            numpy.save(self.path("b.npy"), array)
+            self.assertRaisesRegex(OSError, "b.npy: cannot be read: ", si.open, self.path("b.npy"))
+        os.truncate(self.path("a.npy"), 1000)
+        self.assertRaisesRegex(OSError, "a.npy: cannot be read: ", si.open, self.path("a.npy"))
+        for text in (b"", b"no array at all"):
+            with open(self.path("c.npy"), "wb") as file:
+                file.write(text)
+            self.assertRaisesRegex(OSError, "c.npy: cannot be read: ", si.open, self.path("c.npy"))
+
+    def test_what_cannot_be_read_is_told_what_can(self):
+        with open(self.path("a.vti"), "w", encoding="ascii") as file:
+            file.write("<VTKFile/>")
+        with self.assertRaisesRegex(OSError, "a.vti: .* MetaImage, NRRD, .*, raw. What VTK reads .*: blockvolume "):
+            si.open(self.path("a.vti"))
 
     def test_an_index_is_made_once_and_then_used(self):
         samples = make_waves()

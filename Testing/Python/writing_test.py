@@ -136,6 +136,29 @@ class Writing(VolumeTest):
             self.assertEqual(volume.steps, 2)
 
     @unittest.skipUnless(h5py, "there is no h5py")
+    def test_a_file_of_another_format_is_not_replaced(self):
+        samples = make_samples("int8")
+        with h5py.File(self.path("run.h5"), "w") as file:
+            file["data"], file["other"] = samples, samples
+        os.link(self.path("run.h5"), self.path("hard.bvol"))
+        os.symlink("run.h5", self.path("soft.bvol"))
+        samples.tofile(self.path("raw.bvol"))
+        with open(self.path("waves.mhd"), "w", encoding="ascii") as header:
+            header.write(f"NDims = 3\nDimSize = {SHAPE[2]} {SHAPE[1]} {SHAPE[0]}\nElementType = MET_CHAR\n")
+            header.write("ElementDataFile = raw.bvol\n")
+        for source, output in (
+            (self.path("run.h5:/data"), "hard.bvol"),
+            (self.path("run.h5:/data"), "soft.bvol"),
+            (si.open(self.path("run.h5:/other")), "hard.bvol"),
+            (self.path("hard.bvol:/data"), "hard.bvol"),
+            (self.path("waves.mhd"), "raw.bvol"),
+        ):
+            with self.assertRaisesRegex(ValueError, f"{output}: is "):
+                si.create(source, self.path(output), overwrite=True)
+        numpy.testing.assert_array_equal(si.open(self.path("run.h5:/other"))[...], samples)
+        numpy.testing.assert_array_equal(si.open(self.path("waves.mhd"))[...], samples)
+
+    @unittest.skipUnless(h5py, "there is no h5py")
     def test_an_index_of_several_steps_is_not_replaced_by_its_first_one(self):
         samples = make_samples("int8", (2, *SHAPE))
         with h5py.File(self.path("run.h5"), "w") as file:

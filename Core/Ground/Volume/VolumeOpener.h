@@ -27,6 +27,7 @@ struct VolumeChoice
   bool IgnoresPlaces = false;      ///< whether the caller places the samples, on a regular grid
   bool IsRecorded = false;         ///< whether a volume names it, perhaps with axes without effect
   std::vector<std::string> Arrays; ///< names; empty: all. Unknown names choose nothing
+  bool WantsAttributes = false;    ///< whether to fill OpenedVolume::Attributes
   /// Of a pyramid, the finest level of at most so many vertices, or the coarsest; 0: the finest.
   std::int64_t Vertices = 0;
   /// What decoded chunks may take between reads.
@@ -44,6 +45,9 @@ struct OpenedVolume
   int Level = 0;                  ///< of a pyramid; above 0, samples are averages
   std::string LeftOut;            ///< says what of the file is not read; empty if everything is
   std::vector<std::string> Files; ///< that have the samples, or folders of them
+  /// On request, of HDF5, Zarr and N5: the attributes of the dataset, of an image in Zarr also those of
+  /// its group, as an object of JSON. A value of another type than text, numbers or lists of them is null.
+  std::string Attributes;
   std::string Storage; ///< the file's own words of how it stores the samples; perhaps empty
 };
 

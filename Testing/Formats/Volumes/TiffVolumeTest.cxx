@@ -461,7 +461,8 @@ TEST(TiffVolume, ErrorsNameWhatIsNotSupported)
   ExpectRefused(
     folder / "start.tif", folder / "start.tif", "start.tif: not a TIFF file: Can not read");
   ExpectRefused(folder / "none.tif", folder / "none.tif", "cannot open");
-  ExpectRefused(folder / "none.xyz", folder / "none.xyz", "neither MetaImage");
+  ExpectRefused(
+    folder / "none.xyz", folder / "none.xyz", "of none of these: MetaImage, NRRD, NIfTI, ");
 }
 
 TEST(TiffVolume, AFileHasAtMostAMillionPages)
