@@ -127,7 +127,7 @@ def make_pictures(volume, ct, folder):
     zarr = os.path.join(folder, "scan.zarr")
     write_zarr(zarr)
     image = [menu("menuSources/Alphabetical", "RTAnalyticSource"), APPLY]
-    tissues = [(f"{PROPERTIES}/ContourValues/Tissues/{name}", "activate", "") for name in ("Skin", "Bone")]
+    tissues = [(f"{PROPERTIES}/ContourValues/Tissues/{name}", "activate", "") for name in ("Skin",)]
     chosen = [*open_file(ct), APPLY, choose_filter("Isosurface"), REST, *tissues]
     return {
         "panels/reader": [*opened, ALL_PROPERTIES],

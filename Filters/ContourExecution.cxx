@@ -19,6 +19,7 @@
 #include "vtkPlanes.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Ground/Base/AvailableMemory.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Base/Stopwatch.h"
@@ -63,6 +64,7 @@ PointPrecision ToPointPrecision(int precision)
 ContourExecution::ContourExecution(vtkStabbingContour& contour)
   : Contour(contour)
   , OfImages(contour)
+  , OfVolumes([this] { return this->FindFreeMemory(); })
 {
 }
 
@@ -391,35 +393,32 @@ void ContourExecution::WarnOfLackOfMemory(const ExtractionTask& task, int level)
 Status ContourExecution::ExtractOnce(
   ExtractionTask task, const std::string& sampled, ContourOutcome& outcome)
 {
-  const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
+  ControllerCommunicator ranks = this->GetRanks();
+  RefinementRequest wanted;
+  wanted.Level = this->Contour.GetLevel();
+  wanted.Budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
-  const auto finest = this->ChoosePassLevel(task, sampled);
-  ISOSURFACE_RETURN_IF_ERROR(finest.GetStatus());
-  outcome.MayStay = !this->LastPass.Sampled.empty();
-  outcome.Stays = this->LastPass.Stays;
-  task.Finished = this->LastPass.Finished;
-  task.FinishedSlices = this->LastPass.FinishedSlices;
-  outcome.Final = *finest <= this->Contour.GetLevel();
-  this->LastPass.Query = task.Query;
-  this->LastPass.Request = task.Request;
-  if (outcome.Stays)
+  wanted.IsProgressive = this->Contour.GetProgressive() != 0;
+  wanted.MayBeCoarse = this->CoarseAllowed;
+  wanted.FindsIslands = this->Contour.FindsIslands();
+  wanted.Change = this->Contour.GetMTime();
+  this->OfImages.Forget();
+  const auto choice = this->OfVolumes.Begin(ranks, task, sampled, wanted);
+  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  outcome.MayStay = choice->MayStay;
+  outcome.Stays = choice->Stays;
+  outcome.Cost.Level = choice->Level;
+  Status status;
+  if (!outcome.Stays)
   {
-    outcome.Cost.Level = *finest;
-    return Status::Ok();
+    if (!wanted.Budget.IsLimited())
+    {
+      this->WarnOfLackOfMemory(task, choice->Level);
+    }
+    status = this->OfVolumes.Extract(ranks, task, outcome);
   }
-  if (budget.IsLimited())
-  {
-    ControllerCommunicator ranks = this->GetRanks();
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->OfVolumes.ExtractWithinBudget(ranks, budget, task, *finest, outcome));
-    // What forbids this level forbids finer ones, too.
-    outcome.Final = outcome.Final || outcome.Cost.Level > *finest;
-    return Status::Ok();
-  }
-  LevelChoice choice;
-  choice.Level = *finest;
-  this->WarnOfLackOfMemory(task, choice.Level);
-  return this->OfVolumes.ExtractAtLevel(task, choice, outcome);
+  outcome.Final = this->OfVolumes.IsFinal();
+  return status;
 }
 
 Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome)
@@ -434,8 +433,7 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
     this->MakeRequest());
   ISOSURFACE_RETURN_IF_ERROR(query.GetStatus());
   this->Averages.DropUnused();
-  this->OfVolumes.DropPrepared();
-  this->LastPass = {};
+  this->OfVolumes.Forget();
   Status status = this->OfImages.Extract(ranks, std::move(*query), this->CoarseAllowed, outcome);
   status = this->ChooseIslands(
     ranks, status, [&] { return this->OfImages.MakeIslandGrids(ranks); }, outcome);
@@ -458,6 +456,42 @@ Result<ImagePieces> ContourExecution::CollectPieces(
   };
   return CollectContouredPieces(ranks, inInfo, choose, this->GetArrayToContour(),
     this->Contour.GetComponent(), this->Averages, threads);
+}
+
+//------------------------------------------------------------------------------
+// Finer surfaces
+
+bool ContourExecution::Refine()
+{
+  return this->OfImages.Refine() || this->OfVolumes.Refine(this->Contour.GetMTime());
+}
+
+void ContourExecution::SetShown(bool shown, std::size_t triangles)
+{
+  this->OfImages.SetShown(shown, triangles);
+  this->OfVolumes.SetShown(shown, triangles);
+}
+
+Refinement ContourExecution::PrepareRefinement(double seconds)
+{
+  ControllerCommunicator ranks = this->GetRanks();
+  const Refinement next = this->OfVolumes.Prepare(ranks, seconds, this->Contour.GetMTime());
+  return next.Stage == RefinementStage::None ? this->OfImages.Prepare(ranks, seconds) : next;
+}
+
+void ContourExecution::DropRefinement()
+{
+  this->OfVolumes.DropPrepared();
+  this->OfImages.Drop();
+}
+
+std::uint64_t ContourExecution::FindFreeMemory()
+{
+  constexpr double mebiByte = 1 << 20;
+  const double limit = this->Contour.GetRefinementMemory() * mebiByte;
+  return limit > 0
+    ? static_cast<std::uint64_t>(limit)
+    : GetAvailableMemory() / static_cast<std::uint64_t>(std::max(1, this->RanksOnNode));
 }
 
 //------------------------------------------------------------------------------

@@ -3,7 +3,6 @@
 #define isosurface_ContourExecution_h
 
 #include "CellArrays.h"
-#include "ContourRefinement.h"
 #include "ControllerCommunicator.h"
 #include "ImagePieces.h"
 #include "ImageRefinement.h"
@@ -13,11 +12,10 @@
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/Region.h"
-#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Query/VolumeRefinement.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "SurfacePolyData.h"
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -60,7 +58,7 @@ public:
   /// Tells that the filter was modified by Refine alone.
   void KeepPass(vtkMTimeType time)
   {
-    this->LastPass.Time = time;
+    this->OfVolumes.KeepChange(time);
     this->OfImages.KeepPass(time);
   }
   /// Tells whether the surface of the level was extracted, and the triangles of this rank's part.
@@ -76,38 +74,12 @@ public:
   /// Stops what reads images beside the calling thread: what is before the filter may execute.
   void ReleaseImages() { this->OfImages.DropUnfinished(); }
   /// Lets surfaces of the current volume and isovalues be larger than the memory.
-  void AcceptSize() { this->LastPass.SizeAccepted = true; }
+  void AcceptSize() { this->OfVolumes.AcceptSize(); }
 
   ControllerCommunicator GetRanks();
   int ChooseThreads(); ///< collective at the first call
 
 private:
-  using Clock = std::chrono::steady_clock;
-
-  /// What the last execution was made of. A progressive surface goes on from it if neither the
-  /// filter, nor the volume, nor the time step has changed.
-  struct Pass
-  {
-    int Level = 0;
-    bool Shown = false;    ///< whether the surface of this level was extracted
-    vtkMTimeType Time = 0; ///< of the filter
-    std::weak_ptr<BlockedVolume> Volume;
-    SurfaceQuery Query;
-    ContourRequest Request;
-    std::size_t Triangles = 0; ///< of the surface that was extracted, on this rank
-    bool SizeAccepted = false;
-    bool Direct = false;                      ///< whether the final level follows the first one
-    std::shared_ptr<FinishedLayers> Finished; ///< that make a surface of a sample exact; or null
-    std::shared_ptr<const void> AreShown;     ///< null before any of them is extracted
-    std::int64_t FinishedSlices = 0;          ///< that this surface has of them
-    Clock::time_point GrowthBegin;            ///< when extracting it began
-    Clock::time_point GrowthDue;              ///< before which the next one does not begin
-    bool HasGrown = false;                    ///< whether GrowthDue is to be found
-    bool GrowthEnded = false;                 ///< whether an extraction has failed on any rank
-    std::string Sampled; ///< the volume until whose finer surface this one may stay; or empty
-    bool Stays = false;  ///< whether the surface of the pass before is shown
-  };
-
   ContourRequest MakeRequest();
   Region MakeRegion();
   IslandRequest MakeIslandRequest(int level);
@@ -130,34 +102,6 @@ private:
   /// The bytes of memory that this rank can still have; 0 if that is not known.
   std::uint64_t FindFreeMemory();
   void WarnOfLackOfMemory(const ExtractionTask& task, int level);
-  /// The finest level that this execution may extract. Collective.
-  Result<int> ChoosePassLevel(const ExtractionTask& task, const std::string& sampled);
-  /// Has the surface of a sample stay until there is a finer one, if this pass, whose level is the first
-  /// one, is of the file that it is a sample of. Collective.
-  Status KeepSurface(const ExtractionTask& task, const Pass& before);
-  /// The level that follows the last one.
-  int GetLevelAfterPass(const BlockedVolume& volume);
-  /// Whether the last surface, of a volume or of images, can be refined; the same on all ranks.
-  /// Collective.
-  bool MayRefine(Communicator& ranks, bool& ofImages);
-  /// Whether the last surface is of a sample at its finest level, and may have exact parts.
-  bool MayGrow() const;
-  /// PrepareRefinement of such a surface: with more of what is exact. Collective.
-  Refinement PrepareGrowth(Communicator& ranks, double seconds);
-  /// Begins to extract that, if it is time for it. Collective.
-  Refinement BeginGrowth(Communicator& ranks);
-  /// How many slices of what is finished it is to have, and its triangles. Collective.
-  std::int64_t ChooseFinishedSlices(
-    Communicator& ranks, std::int64_t finished, Refinement& refinement) const;
-  /// Whether it is time for so many, and there is memory. Collective.
-  bool IsGrowthDue(Communicator& ranks, std::int64_t slices, Refinement& refinement);
-  /// Begins to extract a finer surface, unless it is too large. Collective.
-  Status BeginRefinement(Communicator& ranks, Refinement& refinement);
-  /// Begins to extract it, which takes memory and a thread; this rank alone.
-  Status Prepare(
-    const std::shared_ptr<BlockedVolume>& volume, int level, std::int64_t finishedSlices);
-  /// What the next level takes, and the finest level that fits into memory. Collective.
-  Status FindFittingLevel(Communicator& ranks, BlockedVolume& volume, Refinement& refinement);
   Status ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome);
   /// Leaves out the islands that are not wanted, if any are wanted, of what ended with `extracted`
   /// on this rank. `makeGrids` gives the grids of the surface. Collective.
@@ -176,9 +120,7 @@ private:
   vtkStabbingContour& Contour;
   CellAverages Averages;
   ImageRefinement OfImages;
-  VolumeContour OfVolumes;
-  Pass LastPass;
-  Refinement LastRefinement; ///< of the last surface
+  VolumeRefinement OfVolumes;
   bool CoarseAllowed = false;
   int RanksOnNode = 0; ///< 0: not known yet
 };

@@ -193,33 +193,41 @@ bool ImageRefinement::Refine()
 }
 
 //------------------------------------------------------------------------------
-void ImageRefinement::Prepare(Communicator& ranks, double seconds, Refinement& refinement)
+Refinement ImageRefinement::Prepare(Communicator& ranks, double seconds)
 {
   const Pass& pass = this->Last;
-  std::vector<std::uint64_t> prepared = { this->Prepared ? 1U : 0U };
-  ranks.ReduceMinimum(prepared);
-  if (prepared[0] == 0)
+  Refinement& next = this->Next;
+  std::vector<std::uint64_t> all = { this->MayRefine() ? 1U : 0U, this->Prepared ? 1U : 0U };
+  ranks.ReduceMinimum(all);
+  if (all[0] == 0)
   {
-    this->Prepared.reset();
-    refinement = {};
-    refinement.ShownLevel = pass.Level;
+    this->Drop();
+    next = {};
+    return next;
+  }
+  if (all[1] == 0)
+  {
+    this->Drop();
+    next = {};
+    next.ShownLevel = pass.Level;
     std::vector<std::uint64_t> triangles = { pass.Triangles };
     ranks.ReduceSum(triangles);
-    refinement.Triangles = static_cast<double>(triangles[0] << (2 * pass.Level));
+    next.Triangles = static_cast<double>(triangles[0] << (2 * pass.Level));
     if (!this->BeginExact(ranks).IsOk())
     {
       // Refine extracts without preparation, and tells of the error.
-      this->Prepared.reset();
-      refinement.Stage = RefinementStage::Ready;
-      return;
+      this->Drop();
+      next.Stage = RefinementStage::Ready;
+      return next;
     }
   }
   const bool isReady = this->Prepared->Work->Advance(ranks, seconds);
   std::vector<std::uint64_t> slowest = { static_cast<std::uint64_t>(
     this->Prepared->Work->GetProgress() * Millionths) };
   ranks.ReduceMinimum(slowest);
-  refinement.Stage = isReady ? RefinementStage::Ready : RefinementStage::Working;
-  refinement.Share = static_cast<double>(slowest[0]) / Millionths;
+  next.Stage = isReady ? RefinementStage::Ready : RefinementStage::Working;
+  next.Share = static_cast<double>(slowest[0]) / Millionths;
+  return next;
 }
 
 //------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 #ifndef isosurface_ImageRefinement_h
 #define isosurface_ImageRefinement_h
 
-#include "ContourRefinement.h"
 #include "ImageContour.h"
 
 #include "vtkType.h"
@@ -10,6 +9,7 @@
 #include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
+#include "Ranks/Query/Refinement.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -47,13 +47,17 @@ public:
   bool Refine();
   /// Extracts the exact surface beside the calling thread; see ContourExecution::PrepareRefinement.
   /// Collective.
-  void Prepare(Communicator& ranks, double seconds, Refinement& refinement);
+  Refinement Prepare(Communicator& ranks, double seconds);
   /// Forgets what was prepared.
   void Drop() { this->Prepared.reset(); }
   /// The same, if it still reads the images.
   void DropUnfinished();
-  /// Forgets the last surface, after Drop(): the input has no images.
-  void Forget() { this->Last = {}; }
+  /// Forgets the last surface, too: the input has no images.
+  void Forget()
+  {
+    this->Drop();
+    this->Last = {};
+  }
 
 private:
   /// What the last execution was made of.
@@ -94,6 +98,7 @@ private:
   ImageContour Exact;
   ImageContour Coarse; ///< of its own, so that ranges of exact ones stay
   Pass Last;
+  Refinement Next;                        ///< of the exact surface
   std::unique_ptr<ExactSurface> Prepared; ///< of Last; uses Exact
 };
 

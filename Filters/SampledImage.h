@@ -2,7 +2,7 @@
 #ifndef isosurface_SampledImage_h
 #define isosurface_SampledImage_h
 
-#include "ContourRefinement.h"
+#include "Ranks/Query/Refinement.h"
 
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"

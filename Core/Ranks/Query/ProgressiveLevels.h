@@ -2,7 +2,6 @@
 #ifndef isosurface_ProgressiveLevels_h
 #define isosurface_ProgressiveLevels_h
 
-#include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -19,17 +18,16 @@ constexpr double FirstSurfaceShare = 1.0 / 20;
 constexpr double FirstSurfaceTriangles = 100'000;
 
 /**
- * Chooses the level that a progressive extraction begins with: the finest one coarser than `finest`
+ * Finds the level that a progressive extraction begins with: the finest one coarser than `finest`
  * whose surface has at most FirstSurfaceShare of the triangles at `finest`, and at most
  * FirstSurfaceTriangles, by EstimateTriangles.
  * If no level is as coarse, or the surface is estimated to vanish there, it is the coarsest level
  * with triangles; `finest` itself if there is none coarser, or if it has no triangles.
  *
- * Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks. Cost: the
- * spectra of the volume and its overviews, which the volume keeps.
+ * Errors: those of EstimateTriangles. Cost: the spectra of the volume and its overviews, which the
+ * volume keeps.
  */
-Result<int> ChooseFirstLevel(
-  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
+Result<int> FindFirstLevel(BlockedVolume& volume, const SurfaceQuery& query, int finest);
 
 /// Up to so many triangles, a surface is there soon enough for no other one to be shown between the
 /// first one and it. The samples of an index in place may have to be decompressed, which takes longer.
@@ -37,10 +35,8 @@ constexpr double DirectSurfaceTriangles = 20'000'000;
 constexpr double DirectSurfaceTrianglesInPlace = 10'000'000;
 
 /// Whether the surface at `finest` has at most DirectSurfaceTriangles, or DirectSurfaceTrianglesInPlace, by
-/// EstimateTriangles.
-/// Collective; equal on all ranks. Errors: those of EstimateTriangles, on all ranks.
-Result<bool> IsDirectSurface(
-  BlockedVolume& volume, const SurfaceQuery& query, int finest, Communicator& ranks);
+/// EstimateTriangles. Errors: those of EstimateTriangles.
+Result<bool> IsDirectSurface(BlockedVolume& volume, const SurfaceQuery& query, int finest);
 
 /// The level that follows `level`, which is coarser than `finest`: the finest one, but not finer
 /// than `finest`, that is stored in the same blocks as the next finer level. Coarser levels there

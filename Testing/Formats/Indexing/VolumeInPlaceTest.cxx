@@ -227,8 +227,7 @@ TEST(VolumeInPlace, ALargeSurfaceFollowsACoarserOneSoonerThanThatOfACopyDoes)
   {
     SurfaceQuery query;
     query.Isovalues.assign(static_cast<std::size_t>(triangles / each), Isovalue);
-    SerialCommunicator alone;
-    return Require(IsDirectSurface(volume, query, 0, alone));
+    return Require(IsDirectSurface(volume, query, 0));
   };
   EXPECT_TRUE(isDirect(*inPlace, 0.9 * DirectSurfaceTrianglesInPlace));
   EXPECT_FALSE(isDirect(*inPlace, 1.1 * DirectSurfaceTrianglesInPlace));

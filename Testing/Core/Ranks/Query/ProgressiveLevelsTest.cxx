@@ -22,11 +22,9 @@ SurfaceQuery MakeQuery(const std::vector<double>& isovalues)
   return query;
 }
 
-/// The level that a single rank chooses.
-int ChooseAlone(BlockedVolume& volume, const std::vector<double>& isovalues, int finest)
+int FindFirst(BlockedVolume& volume, const std::vector<double>& isovalues, int finest)
 {
-  SerialCommunicator alone;
-  return Require(ChooseFirstLevel(volume, MakeQuery(isovalues), finest, alone));
+  return Require(FindFirstLevel(volume, MakeQuery(isovalues), finest));
 }
 
 } // namespace
@@ -42,7 +40,7 @@ TEST(ProgressiveLevels, BeginAtTheFinestOneWithATwentiethOfTheTriangles)
   };
   for (int finest = 0; finest < 2; ++finest)
   {
-    const int first = ChooseAlone(*opened, { 100, 30 }, finest);
+    const int first = FindFirst(*opened, { 100, 30 }, finest);
     ASSERT_GT(first, finest + 1);
     ASSERT_LT(first, opened->GetNumberOfLevels() - 1);
     EXPECT_GT(count(first), 0);
@@ -65,14 +63,14 @@ TEST(ProgressiveLevels, NeverBeginWithAnEmptySurface)
     MakeSettings(16, 3));
   const auto opened = OpenVolume(disk);
   const int coarsest = opened->GetNumberOfLevels() - 1;
-  const int first = ChooseAlone(*opened, { 50 }, 0);
+  const int first = FindFirst(*opened, { 50 }, 0);
   EXPECT_GT(*opened->EstimateTriangles(0, 0, 50, first), 0);
   EXPECT_LT(first, coarsest);
   EXPECT_EQ(*opened->EstimateTriangles(0, 0, 50, first + 1), 0);
 
-  EXPECT_EQ(ChooseAlone(*opened, { 0 }, 1), 1) << "a surface without triangles";
-  EXPECT_EQ(ChooseAlone(*opened, {}, 0), 0) << "no isovalues";
-  EXPECT_EQ(ChooseAlone(*opened, { 50 }, coarsest), coarsest) << "nothing is coarser";
+  EXPECT_EQ(FindFirst(*opened, { 0 }, 1), 1) << "a surface without triangles";
+  EXPECT_EQ(FindFirst(*opened, {}, 0), 0) << "no isovalues";
+  EXPECT_EQ(FindFirst(*opened, { 50 }, coarsest), coarsest) << "nothing is coarser";
 }
 
 TEST(ProgressiveLevels, EndWithTheFinestOneAndSkipThoseInItsBlocks)
@@ -100,42 +98,10 @@ TEST(ProgressiveLevels, BetweenTheFirstAndTheLastAreForLargeSurfacesAlone)
 {
   MemoryDisk disk;
   const auto opened = WriteAndOpen(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
-  SerialCommunicator alone;
-  EXPECT_TRUE(*IsDirectSurface(*opened, MakeQuery({ 100 }), 0, alone));
+  EXPECT_TRUE(*IsDirectSurface(*opened, MakeQuery({ 100 }), 0));
   const double triangles = *opened->EstimateTriangles(0, 0, 100, 0);
   const auto many = static_cast<std::size_t>(DirectSurfaceTriangles / triangles) + 1;
   const SurfaceQuery query = MakeQuery(std::vector<double>(many, 100.0));
-  EXPECT_FALSE(*IsDirectSurface(*opened, query, 0, alone));
-  EXPECT_TRUE(*IsDirectSurface(*opened, query, 3, alone)) << "it is smaller at that level";
-}
-
-TEST(ProgressiveLevels, AreEqualOnAllRanksAndSoAreErrors)
-{
-  MemoryDisk disk;
-  WriteVolumeOk(disk, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
-  const int expected = ChooseAlone(*OpenVolume(disk), { 100 }, 0);
-  MemoryDisk damaged;
-  WriteVolumeOk(damaged, MakeShells({ 150, 140, 130 }), MakeSettings(16, 3));
-  for (const auto& [path, bytes] : damaged.GetFiles())
-  {
-    if (path.find("spectra") != std::string::npos)
-    {
-      bytes->resize(bytes->size() / 2);
-    }
-  }
-  const auto sound = OpenVolume(disk);
-  const auto broken = OpenVolume(damaged);
-  ThreadCommunicator::Run(3,
-    [&](Communicator& communicator)
-    {
-      const auto level = ChooseFirstLevel(*sound, MakeQuery({ 100 }), 0, communicator);
-      EXPECT_TRUE(level.IsOk());
-      EXPECT_EQ(level.IsOk() ? *level : -1, expected);
-      const bool isBroken = communicator.GetRank() == 1;
-      const auto error =
-        ChooseFirstLevel(isBroken ? *broken : *sound, MakeQuery({ 100 }), 0, communicator);
-      EXPECT_EQ(
-        error.GetStatus().GetCode(), isBroken ? StatusCode::Corrupt : StatusCode::RemoteFailure);
-      ExpectMessage(error.GetStatus(), "spectra");
-    });
+  EXPECT_FALSE(*IsDirectSurface(*opened, query, 0));
+  EXPECT_TRUE(*IsDirectSurface(*opened, query, 3)) << "it is smaller at that level";
 }

@@ -9,8 +9,7 @@
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ranks/Islands/IslandChoice.h"
-#include "Ranks/Query/ProgressiveLevels.h"
-#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Query/VolumeRefinement.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "Storage/Spectrum/GridSpectrum.h"
 #include "Storage/Store/StoredBlockSource.h"
@@ -81,12 +80,15 @@ struct RankDeeds
     const SurfaceQuery query = MakeQuery(ranks);
     ContourRequest request;
     request.Isovalues = query.Isovalues;
-    const auto first = ChooseFirstLevel(**volume, query, 0, ranks);
-    ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
-    VolumeContour contour;
+    VolumeRefinement surfaces([] { return std::uint64_t{ 0 }; });
+    RefinementRequest wanted;
+    wanted.Budget = { 100, 1000000 };
+    wanted.IsProgressive = true;
+    wanted.Change = 1;
+    ExtractionTask task = { *volume, query, request, 1, {} };
+    ISOSURFACE_RETURN_IF_ERROR(surfaces.Begin(ranks, task, "", wanted).GetStatus());
     ExtractionOutcome outcome;
-    return contour.ExtractWithinBudget(
-      ranks, { 100, 1000000 }, { *volume, query, request, 1, {} }, 0, outcome);
+    return surfaces.Extract(ranks, task, outcome);
   }
 
   static Status Distribute(Communicator& ranks, FileSystem& disk)

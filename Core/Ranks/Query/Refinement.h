@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_ContourRefinement_h
-#define isosurface_ContourRefinement_h
+#ifndef isosurface_Refinement_h
+#define isosurface_Refinement_h
 
 #include <array>
 
