@@ -131,6 +131,14 @@ def count_cells():
             for name, source in simple.GetSources().items()}
 
 
+def active():
+    """The name of the source that is selected."""
+    from paraview import simple
+
+    source = simple.GetActiveSource()
+    return next((name[0] for name, other in simple.GetSources().items() if other == source), "")
+
+
 def is_remote():
     """Whether data are on a server."""
     from paraview import servermanager

@@ -23,6 +23,8 @@ SETTINGS = """[General]
 GeneralSettings.ShowSplashScreen=false
 GeneralSettings.ShowWelcomeDialog=false
 """
+# Any surface is large enough for what ParaView does to large ones.
+PROPERTIES = '{"settings": {"RenderViewSettings": {"LODThreshold": 0.01}}}'
 # What File > Connect... lists.
 SERVERS = """<Servers><Server name="two ranks" resource="cs://localhost:%d"><ManualStartup/></Server></Servers>"""
 SCREEN = (1366, 768)
@@ -88,7 +90,8 @@ class Window:
         os.makedirs(settings)
         servers = SERVERS % port if port else ""
         # ParaView 6.1's settings, and those of older ones.
-        for name, text in [("ParaView.ini", SETTINGS), ("ParaView%s.ini" % version, SETTINGS), ("servers.pvsc", servers)]:
+        for name, text in [("ParaView.ini", SETTINGS), ("ParaView%s.ini" % version, SETTINGS),
+                           ("servers.pvsc", servers), ("ParaView-UserSettings.json", PROPERTIES)]:
             with open(os.path.join(settings, name), "w") as file:
                 file.write(text)
         # A socket without a file, which nobody has to remove.
@@ -206,6 +209,38 @@ class Window:
         """Clicks a row of a list."""
         rows = self.wait("rows(%r)" % view, lambda rows: rows and any(row["texts"][0] == text for row in rows))
         self.click(next(row for row in rows if row["texts"][0] == text)["at"])
+
+    def drop(self, path, done):
+        """Drags a file or folder from another program into the view, and waits until it is done."""
+        with open(os.path.join(self.folder, "drag.log"), "w") as log:
+            source = start([sys.executable, os.path.join(HERE, "drag.py"), path],
+                           env=self.display.environment, stdout=log)
+
+        def has_said(text):
+            with open(log.name) as said:
+                return text in said.read()
+
+        def move():
+            # Each move asks what is below whether it takes the path.
+            self.do("mousemove", 640 + time.monotonic_ns() // 10**8 % 20, 450)
+            return has_said("taken")
+
+        wait_for("a place to drag from", lambda: has_said("shown"))
+        self.do("mousemove", 640, 12, "mousedown", 1)
+        wait_for("a window that takes " + path, move)
+        self.do("mouseup", 1)
+        self.wait(done)
+        end(source)
+
+    def select(self, name):
+        """Clicks a source in the pipeline browser, which is no list of Qt's: where it is, is tried."""
+        browser = self.wait("find('', 'pqPipelineBrowserWidget')")[0]
+        x, top = (browser["at"][axis] - browser["size"][axis] // 2 for axis in (0, 1))
+        for y in range(top + 8, top + browser["size"][1], 8):
+            self.click((x + 60, y))
+            if self.wait("[active()]") == [name]:
+                return
+        raise AssertionError("no %s; see %s" % (name, self.save_screen("waited.png")))
 
     def see(self):
         """Waits until the view shows a surface that is final and stays as it is, and remembers it."""
