@@ -20,7 +20,7 @@ import debian_scans  # noqa: E402  (found beside this script)
 
 MODES = [
     ("lossless", {"Mode": "Lossless"}),
-    ("fast", {"Mode": "Lossless", "Profile": "Fast"}),
+    ("working", {"Mode": "Lossless", "Profile": "Working"}),
     ("bounded", {"Mode": "Bounded", "MaximumError": 0.01}),
     ("smallest", {"Mode": "Smallest", "MaximumError": 0.01}),
     ("quantized", {"Mode": "Quantized", "QuantizationBits": 8}),

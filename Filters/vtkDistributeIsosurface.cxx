@@ -153,7 +153,7 @@ struct vtkDistributeIsosurface::Steps
 vtkDistributeIsosurface::vtkDistributeIsosurface()
   : Mode(LOSSLESS)
   , MaximumError(0.05)
-  , Profile(FAST)
+  , Profile(WORKING)
   , NormalError(0.01)
   , ArrayError(0)
   , DrawingRanks(0)
@@ -297,6 +297,23 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
     return Status::Ok();
   };
   return isosurface::AttemptOnAll(ranks, NotDistributed, fill);
+}
+
+//------------------------------------------------------------------------------
+void vtkDistributeIsosurface::SetProfile(int profile)
+{
+  const auto nearest = static_cast<int>(isosurface::FindNearestProfile(profile));
+  if (profile != nearest)
+  {
+    vtkWarningMacro("There is no profile " << profile << " (1.0 had fast, 1, and compact, 2): "
+                                           << (nearest == SMALL ? "small" : "working")
+                                           << " is used.");
+  }
+  if (this->Profile != nearest)
+  {
+    this->Profile = nearest;
+    this->Modified();
+  }
 }
 
 //------------------------------------------------------------------------------

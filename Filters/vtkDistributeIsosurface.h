@@ -43,9 +43,8 @@ public:
 
   enum ProfileType
   {
-    DEFAULT = 0, ///< small
-    FAST = 1,    ///< encoded and decoded about three times as fast, some percent larger
-    WORKING = 3  ///< encoded and decoded about six times as fast, about a half larger
+    SMALL = 0,  ///< the fewest bytes
+    WORKING = 3 ///< encoded and decoded about six times as fast, about a half larger
   };
 
   ///@{
@@ -67,9 +66,10 @@ public:
 
   ///@{
   /**
-   * Speed against bytes. Default FAST.
+   * Speed against bytes. Default WORKING. The numbers 1 and 2, which were profiles in version 1.0,
+   * become WORKING and SMALL, with a warning.
    */
-  vtkSetClampMacro(Profile, int, DEFAULT, WORKING);
+  void SetProfile(int profile);
   vtkGetMacro(Profile, int);
   ///@}
 

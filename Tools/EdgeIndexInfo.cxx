@@ -45,26 +45,11 @@ struct Totals
   }
 };
 
-const char* GetProfileName(EdgeIndexProfile profile)
-{
-  switch (profile)
-  {
-    case EdgeIndexProfile::Fast:
-      return "fast";
-    case EdgeIndexProfile::Compact:
-      return "compact";
-    case EdgeIndexProfile::Working:
-      return "working";
-    default:
-      return "default";
-  }
-}
-
 Json DescribeSettings(const EdgeIndexHeader& header)
 {
   const EdgeIndexSettings& settings = header.Settings;
   Json json = { { "mode", GetModeName(settings.Mode) },
-    { "profile", GetProfileName(settings.Profile) } };
+    { "profile", settings.Profile == EdgeIndexProfile::Small ? "small" : "working" } };
   if (settings.Mode == EdgeIndexMode::Bounded || settings.Mode == EdgeIndexMode::Smallest)
   {
     json["maximumError"] = settings.MaximumError;

@@ -144,7 +144,7 @@ vtkEdgeIndexWriter::vtkEdgeIndexWriter()
   , Mode(LOSSLESS)
   , MaximumError(0.01)
   , QuantizationBits(12)
-  , Profile(DEFAULT)
+  , Profile(SMALL)
   , WriteArrays(true)
   , ArrayError(0)
   , WriteNormals(false)
@@ -331,6 +331,23 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
       static_cast<unsigned long long>(written->Bytes));
   }
   return written.GetStatus();
+}
+
+//------------------------------------------------------------------------------
+void vtkEdgeIndexWriter::SetProfile(int profile)
+{
+  const auto nearest = static_cast<int>(isosurface::FindNearestProfile(profile));
+  if (profile != nearest)
+  {
+    vtkWarningMacro("There is no profile " << profile << " (1.0 had fast, 1, and compact, 2): "
+                                           << (nearest == SMALL ? "small" : "working")
+                                           << " is used.");
+  }
+  if (this->Profile != nearest)
+  {
+    this->Profile = nearest;
+    this->Modified();
+  }
 }
 
 //------------------------------------------------------------------------------

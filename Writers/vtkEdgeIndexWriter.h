@@ -41,10 +41,8 @@ public:
 
   enum ProfileType
   {
-    DEFAULT = 0, ///< small
-    FAST = 1,    ///< written and read about three times as fast, a tenth larger
-    COMPACT = 2, ///< smaller by a twentieth to a tenth; takes two to four times as long
-    WORKING = 3  ///< written and read about six times as fast, about a half larger
+    SMALL = 0,  ///< the fewest bytes
+    WORKING = 3 ///< written and read about six times as fast, about a half larger
   };
 
   ///@{
@@ -82,9 +80,10 @@ public:
 
   ///@{
   /**
-   * Speed against size. Default DEFAULT.
+   * Speed against size. Default SMALL. The numbers 1 and 2, which were profiles in version 1.0,
+   * become WORKING and SMALL, with a warning.
    */
-  vtkSetClampMacro(Profile, int, DEFAULT, WORKING);
+  void SetProfile(int profile);
   vtkGetMacro(Profile, int);
   ///@}
 

@@ -7,7 +7,7 @@
  *   ours    lossless, by profile; bounded, at the maximum error that Draco makes; quantized as in
  *           the paper
  *   Draco   compression levels 7 and 10, positions of 11 and 14 bits, connectivity by edgebreaker
- *   errors  with --errors: bounded and smallest at these, in the profiles default and compact
+ *   errors  with --errors: bounded and smallest at these, in the profile small
  *   peers   with --peers: see SurfacePeers.h
  *
  * and the ratios that Documentation/dev/edge-index.md cites.
@@ -330,17 +330,12 @@ void PrintErrors(const std::vector<double>& errors, const Benchmark& benchmark)
   for (const double error : errors)
   {
     std::printf("  maximum error %g\n", error);
-    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Compact })
-    {
-      const std::string end = profile == EdgeIndexProfile::Compact ? ", compact" : "";
-      EdgeIndexSettings settings;
-      settings.Profile = profile;
-      settings.MaximumError = error;
-      settings.Mode = EdgeIndexMode::Bounded;
-      Print(("bounded" + end).c_str(), benchmark.MeasureOurs(settings), benchmark.GetExact());
-      settings.Mode = EdgeIndexMode::Smallest;
-      Print(("smallest" + end).c_str(), benchmark.MeasureOurs(settings), benchmark.GetExact());
-    }
+    EdgeIndexSettings settings;
+    settings.MaximumError = error;
+    settings.Mode = EdgeIndexMode::Bounded;
+    Print("bounded", benchmark.MeasureOurs(settings), benchmark.GetExact());
+    settings.Mode = EdgeIndexMode::Smallest;
+    Print("smallest", benchmark.MeasureOurs(settings), benchmark.GetExact());
   }
 }
 
@@ -359,17 +354,10 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int 
   EdgeIndexSettings settings;
   const Outcome lossless = benchmark.MeasureOurs(settings);
   Print("lossless", lossless, exact);
-  settings.Profile = EdgeIndexProfile::Fast;
-  const Outcome fast = benchmark.MeasureOurs(settings);
-  Print("lossless, fast", fast, exact);
   settings.Profile = EdgeIndexProfile::Working;
   const Outcome working = benchmark.MeasureOurs(settings);
   Print("lossless, working", working, exact);
-  settings.Profile = EdgeIndexProfile::Compact;
-  const Outcome compact = benchmark.MeasureOurs(settings);
-  Print("lossless, compact", compact, exact);
-  std::printf("  of default's bytes: fast %.3f, working %.3f, compact %.3f\n",
-    fast.Bytes / lossless.Bytes, working.Bytes / lossless.Bytes, compact.Bytes / lossless.Bytes);
+  std::printf("  working / small: bytes %.3f\n", working.Bytes / lossless.Bytes);
   if (peers)
   {
     PrintQuantized(volume, benchmark);
@@ -388,30 +376,21 @@ void Run(const Volume& volume, double isovalue, int blockSize, int repeats, int 
     Print((name + ", level 7").c_str(), seven, exact);
     settings.Mode = EdgeIndexMode::Smallest;
     settings.MaximumError = std::min(0.5, ten.MaximumError);
-    settings.Profile = EdgeIndexProfile::Default;
+    settings.Profile = EdgeIndexProfile::Small;
     const Outcome bounded = benchmark.MeasureOurs(settings);
     Print("smallest, the same error", bounded, exact);
-    settings.Profile = EdgeIndexProfile::Compact;
-    const Outcome boundedCompact = benchmark.MeasureOurs(settings);
-    Print("the same, compact", boundedCompact, exact);
     settings.Mode = EdgeIndexMode::Bounded;
-    settings.Profile = EdgeIndexProfile::Fast;
-    const Outcome boundedFast = benchmark.MeasureOurs(settings);
-    Print("bounded, fast, same error", boundedFast, exact);
     settings.Profile = EdgeIndexProfile::Working;
     const Outcome boundedWorking = benchmark.MeasureOurs(settings);
     Print("bounded, working, the same", boundedWorking, exact);
     std::printf("  working / Draco: out x %.2f of level 10, x %.2f of level 7;  bounded x %.2f, "
-                "x %.2f, bytes %.2f of default's\n",
+                "x %.2f, bytes %.2f of small's\n",
       ten.DecodeSeconds / working.DecodeSeconds, seven.DecodeSeconds / working.DecodeSeconds,
       ten.DecodeSeconds / boundedWorking.DecodeSeconds,
       seven.DecodeSeconds / boundedWorking.DecodeSeconds, boundedWorking.Bytes / bounded.Bytes);
-    std::printf("  Draco / ours: bytes %.2f (compact %.2f, fast %.2f);  lossless in x %.2f of "
-                "level 10, out x %.2f;"
-                "  fast in x %.2f of level 7, out x %.2f\n",
-      ten.Bytes / bounded.Bytes, ten.Bytes / boundedCompact.Bytes, ten.Bytes / boundedFast.Bytes,
-      ten.EncodeSeconds / lossless.EncodeSeconds, ten.DecodeSeconds / lossless.DecodeSeconds,
-      seven.EncodeSeconds / fast.EncodeSeconds, seven.DecodeSeconds / fast.DecodeSeconds);
+    std::printf("  Draco / ours: bytes %.2f;  lossless in x %.2f of level 10, out x %.2f\n",
+      ten.Bytes / bounded.Bytes, ten.EncodeSeconds / lossless.EncodeSeconds,
+      ten.DecodeSeconds / lossless.DecodeSeconds);
   }
 }
 

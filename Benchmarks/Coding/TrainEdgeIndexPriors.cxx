@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * Learns what the edge-index models know before their first block, and writes
- * Core/Coding/TrainedModels/priors.txt, or with --crossings curved-crossings.txt. The blocks of all
- * surfaces take turns, so that no surface is learnt last. Needed only after a change of a model,
- * which changes the format.
+ * Core/Coding/TrainedModels/priors.txt. The blocks of all surfaces take turns, so that no surface is
+ * learnt last. Needed only after a change of a model, which changes the format.
  */
 #include "TableFile.h"
 #include "TrainingSurface.h"
@@ -56,22 +55,6 @@ int Stretch(const AdaptiveBit& bit)
   return std::clamp((stretched + (stretched < 0 ? -8 : 8)) / 16, -127, 127);
 }
 
-/// Copies the probabilities by level to every side, as at the start of a block.
-void ForgetSides(ResidualModel& model)
-{
-  constexpr std::uint32_t count = 2;
-  std::vector<SymbolTree> priors;
-  for (std::size_t level = 0; level < model.ByLevel.size(); level += 2)
-  {
-    SymbolTree& prior = priors.emplace_back();
-    std::transform(model.ByLevel[level].Nodes.begin(), model.ByLevel[level].Nodes.end(),
-      prior.Nodes.begin(),
-      [](const AdaptiveBit& node)
-      { return MakeAdaptiveBit(static_cast<std::int8_t>(Stretch(node)), count); });
-  }
-  model.BySide = SideTrees(std::move(priors));
-}
-
 /// errors: the maximum ones to code each block at; 0 for lossless.
 void Learn(const std::vector<TrainingSurface>& surfaces, const std::vector<double>& errors,
   BlockModel& model)
@@ -96,10 +79,6 @@ void Learn(const std::vector<TrainingSurface>& surfaces, const std::vector<doubl
       for (const double error : errors)
       {
         LearnBlock(surface, place * stride % blocks, error, model);
-        if (model.Profile == EdgeIndexProfile::Compact)
-        {
-          ForgetSides(model.Crossings.Residuals);
-        }
       }
     }
   }
@@ -145,23 +124,17 @@ std::vector<int> ListShares(const ResidualModel& model)
   return numbers;
 }
 
-void AddMagnitudes(
-  TableFile& file, const std::string& kind, const ResidualModel& mixed, const ResidualModel& fast)
+bool WritePriors(const std::string& path, const BlockModel& mixed, const BlockModel& preview)
 {
-  file.Add(kind + "Levels", "int8", ListLevels(mixed));
-  file.Add(kind + "Symbols", "uint16", ListShares(fast));
-  file.Add(kind + "Mixers", "int16", ListWeights(mixed.Mixers));
-}
-
-bool WritePriors(const std::string& path, const std::string& program, const BlockModel& mixed,
-  const BlockModel& fast)
-{
-  TableFile file(path, program);
+  TableFile file(path, "TrainEdgeIndexPriors");
   file.Add("NearSignPriors", "int8", StretchAll(mixed.Signs.Near));
   file.Add("QuietSignPriors", "int8", StretchAll(mixed.Signs.Quiet));
   file.Add("SignMixers", "int16", ListWeights(mixed.Signs.Mixers));
-  AddMagnitudes(file, "Value", mixed.Values.Residuals, fast.Values.Residuals);
-  AddMagnitudes(file, "Crossing", mixed.Crossings.Residuals, fast.Crossings.Residuals);
+  file.Add("ValueLevels", "int8", ListLevels(mixed.Values.Residuals));
+  file.Add("ValueMixers", "int16", ListWeights(mixed.Values.Residuals.Mixers));
+  file.Add("CrossingLevels", "int8", ListLevels(mixed.Crossings.Residuals));
+  file.Add("CrossingSymbols", "uint16", ListShares(preview.Crossings.Residuals));
+  file.Add("CrossingMixers", "int16", ListWeights(mixed.Crossings.Residuals.Mixers));
   std::vector<std::int32_t> weights(mixed.Values.Weights.size());
   for (std::size_t n = 0; n < weights.size(); ++n)
   {
@@ -171,25 +144,14 @@ bool WritePriors(const std::string& path, const std::string& program, const Bloc
   return file.IsGood();
 }
 
-bool WriteCurvedCrossings(
-  const std::string& path, const std::string& program, const ResidualModel& compact)
-{
-  TableFile file(path, program);
-  file.Add("CurvedCrossingLevels", "int8", ListLevels(compact));
-  file.Add("CurvedCrossingMixers", "int16", ListWeights(compact.Mixers));
-  return file.IsGood();
-}
-
 } // namespace
 
 int main(int argc, char** argv)
 {
   std::string output;
   std::vector<std::string> words;
-  bool crossings = false;
   CLI::App application("Learns the priors of the edge-index code");
   application.add_option("output", output, "the data file to write")->required();
-  application.add_flag("--crossings", crossings, "of the crossings of the profile compact");
   AddSurfaceOption(application, words);
   CLI11_PARSE(application, argc, argv);
 
@@ -198,17 +160,9 @@ int main(int argc, char** argv)
   {
     return 1;
   }
-  const std::string program = "TrainEdgeIndexPriors";
-  if (crossings)
-  {
-    BlockModel compact(EdgeIndexProfile::Compact);
-    Learn(surfaces, { 0.09, 0.011, 0.06, 0.02, 0.075, 0.006 }, compact);
-    return WriteCurvedCrossings(output, program + " --crossings", compact.Crossings.Residuals) ? 0
-                                                                                               : 1;
-  }
-  BlockModel mixed(EdgeIndexProfile::Default);
-  BlockModel fast(EdgeIndexProfile::Fast);
+  BlockModel mixed(EdgeIndexProfile::Small);
+  BlockModel preview(EdgeIndexProfile::Preview);
   Learn(surfaces, { 0.0, 0.09, 0.02 }, mixed);
-  Learn(surfaces, { 0.0, 0.09, 0.02 }, fast);
-  return WritePriors(output, program, mixed, fast) ? 0 : 1;
+  Learn(surfaces, { 0.09, 0.02 }, preview);
+  return WritePriors(output, mixed, preview) ? 0 : 1;
 }

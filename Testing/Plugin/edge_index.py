@@ -25,7 +25,7 @@ class EdgeIndexFiles(plugin_testing.TestCase):
         for mode in ("Lossless", "Bounded", "Quantized", "Smallest"):
             with self.subTest(mode=mode):
                 path = plugin_testing.output(mode + ".eix")
-                simple.SaveData(path, proxy=contour, Mode=mode, Profile="Fast")
+                simple.SaveData(path, proxy=contour, Mode=mode, Profile="Working")
                 surface = reopen(path)
                 self.assertEqual(plugin_testing.count_cells(surface), self.triangles)
                 self.assertIsNotNone(surface.PointData["GlobalIds"])

@@ -146,7 +146,7 @@ output.PointData.append(numpy.where(samples > 200, numpy.nan, samples), "Holes")
         names = ["Mode", "MaximumError", "NormalError", "ArrayError", "Profile", "DrawingRanks"]
         self.check_properties(surface, names + ["RoundBytes", "NumberOfThreads"])
         self.assertEqual(surface.Mode, "Lossless")
-        self.assertEqual(surface.Profile, "Fast")
+        self.assertEqual(surface.Profile, "Working")
 
     def test_edge_index_files_have_their_writer_and_reader(self):
         contour = testing.contour(testing.open_volume("wave.bvol"))

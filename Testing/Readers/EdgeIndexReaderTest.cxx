@@ -38,7 +38,7 @@ protected:
     vtkNew<vtkEdgeIndexWriter> writer;
     writer->SetInputConnection(contour->GetOutputPort());
     writer->SetFileName(this->Path.c_str());
-    writer->SetProfile(vtkEdgeIndexWriter::FAST);
+    writer->SetProfile(vtkEdgeIndexWriter::WORKING);
     EXPECT_EQ(writer->Write(), 1);
     contour->Update();
     this->Whole.Add(contour->GetOutput());

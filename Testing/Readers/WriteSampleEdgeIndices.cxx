@@ -64,13 +64,13 @@ bool WriteLossless(const std::string& folder, const std::string& type, EdgeIndex
 bool WriteTypes(const std::string& folder)
 {
   using Profile = EdgeIndexProfile;
-  return WriteLossless<std::int8_t>(folder, "int8", Profile::Fast) &&
-    WriteLossless<std::uint8_t>(folder, "uint8", Profile::Compact) &&
-    WriteLossless<std::uint32_t>(folder, "uint32", Profile::Default) &&
-    WriteLossless<std::int64_t>(folder, "int64", Profile::Compact) &&
-    WriteLossless<std::uint64_t>(folder, "uint64", Profile::Default) &&
-    WriteLossless<float>(folder, "float32", Profile::Default) &&
-    WriteLossless<double>(folder, "float64", Profile::Compact) &&
+  return WriteLossless<std::int8_t>(folder, "int8", Profile::Small) &&
+    WriteLossless<std::uint8_t>(folder, "uint8", Profile::Small) &&
+    WriteLossless<std::uint32_t>(folder, "uint32", Profile::Small) &&
+    WriteLossless<std::int64_t>(folder, "int64", Profile::Small) &&
+    WriteLossless<std::uint64_t>(folder, "uint64", Profile::Small) &&
+    WriteLossless<float>(folder, "float32", Profile::Small) &&
+    WriteLossless<double>(folder, "float64", Profile::Small) &&
     WriteLossless<std::int16_t>(folder, "int16", Profile::Working) &&
     WriteLossless<std::uint16_t>(folder, "uint16", Profile::Working) &&
     WriteLossless<std::int32_t>(folder, "int32", Profile::Working);
@@ -105,19 +105,15 @@ bool WriteWild(const std::string& folder)
   const auto wide = MakeWild<double>();
   using Mode = EdgeIndexMode;
   using Profile = EdgeIndexProfile;
-  EdgeIndexHeader smallest = MakeNamedHeader(wide, { 1 }, Mode::Smallest, Profile::Compact);
+  EdgeIndexHeader smallest = MakeNamedHeader(wide, { 1 }, Mode::Smallest, Profile::Small);
   smallest.Settings.MaximumError = 0.0001;
   return Write(folder, "wild-float32",
-           MakeNamedHeader(narrow, { 0, 1, -1e30, 1e-40 }, Mode::Lossless, Profile::Default),
+           MakeNamedHeader(narrow, { 0, 1, -1e30, 1e-40 }, Mode::Lossless, Profile::Small),
            narrow) &&
     Write(folder, "wild-float64",
-      MakeNamedHeader(wide, { 0, 1e-300, 1e200 }, Mode::Lossless, Profile::Fast), wide) &&
-    Write(folder, "wild-compact",
-      MakeNamedHeader(wide, { 0, -1 }, Mode::Lossless, Profile::Compact), wide) &&
-    Write(folder, "wild-bounded",
-      MakeNamedHeader(narrow, { 0, 1 }, Mode::Bounded, Profile::Default), narrow) &&
-    Write(folder, "wild-bounded-fast", MakeNamedHeader(wide, { 0.5 }, Mode::Bounded, Profile::Fast),
-      wide) &&
+      MakeNamedHeader(wide, { 0, 1e-300, 1e200 }, Mode::Lossless, Profile::Small), wide) &&
+    Write(folder, "wild-bounded", MakeNamedHeader(narrow, { 0, 1 }, Mode::Bounded, Profile::Small),
+      narrow) &&
     Write(folder, "wild-smallest", smallest, wide) &&
     Write(folder, "wild-working",
       MakeNamedHeader(wide, { 0, 1e-300 }, Mode::Lossless, Profile::Working), wide) &&
@@ -134,13 +130,13 @@ bool WriteModes(const std::string& folder)
   const auto bytes = MakeWaves<std::uint8_t>({ 19, 14, 11 }, 0.4);
   auto waves = MakeWaves<double>({ 19, 14, 11 }, 0.1);
   Displace(waves);
-  EdgeIndexHeader bounded = MakeNamedHeader(waves, { 0.1 }, Mode::Bounded, Profile::Compact);
+  EdgeIndexHeader bounded = MakeNamedHeader(waves, { 0.1 }, Mode::Bounded, Profile::Small);
   bounded.PreviewLevel = 2;
   bounded.Settings.MaximumError = 0.0001;
   EdgeIndexHeader coarse =
-    MakeNamedHeader(bytes, { 150, 255, 0.5 }, Mode::Quantized, Profile::Fast);
+    MakeNamedHeader(bytes, { 150, 255, 0.5 }, Mode::Quantized, Profile::Small);
   coarse.Settings.QuantizationBits = 2;
-  EdgeIndexHeader fine = MakeNamedHeader(waves, { 0.1, 2 }, Mode::Quantized, Profile::Compact);
+  EdgeIndexHeader fine = MakeNamedHeader(waves, { 0.1, 2 }, Mode::Quantized, Profile::Small);
   fine.Settings.QuantizationBits = 24;
   fine.Settings.QuantizationMinimum = -0.5;
   fine.Settings.QuantizationMaximum = 0.3;
@@ -149,7 +145,7 @@ bool WriteModes(const std::string& folder)
   working.Geometry.Unit = LengthUnit::Foot;
   working.Settings.QuantizationMinimum = -0.5;
   working.Settings.QuantizationMaximum = 0.3;
-  return Write(folder, "bounded-compact", bounded, waves) &&
+  return Write(folder, "bounded", bounded, waves) &&
     Write(folder, "quantized-working", working, waves) &&
     Write(folder, "quantized-coarsely", coarse, bytes) &&
     Write(folder, "quantized-finely", fine, waves);
@@ -179,14 +175,12 @@ bool WriteLarge(const std::string& folder)
   TestBlockSource<float> source(volume, 64);
   using Mode = EdgeIndexMode;
   using Profile = EdgeIndexProfile;
-  EdgeIndexHeader bounded = MakeNamedHeader(volume, { 40.5 }, Mode::Bounded, Profile::Default);
+  EdgeIndexHeader bounded = MakeNamedHeader(volume, { 40.5 }, Mode::Bounded, Profile::Small);
   bounded.Settings.MaximumError = 0.1;
   bounded.PreviewLevel = 1;
   return Write(folder, "large-bounded", bounded, source) &&
-    Write(folder, "large-fast", MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Fast),
+    Write(folder, "large-small", MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Small),
       source) &&
-    Write(folder, "large-compact",
-      MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Compact), source) &&
     Write(folder, "large-working",
       MakeNamedHeader(volume, { 40.5 }, Mode::Lossless, Profile::Working), source);
 }
@@ -204,9 +198,9 @@ bool WriteAttributed(const std::string& folder)
     header.Array = "scalars";
     return Write(folder, name, header, source);
   };
-  return write("attributes-as-they-are", Mode::Lossless, Profile::Default, 0) &&
-    write("attributes-bounded", Mode::Bounded, Profile::Fast, 0.01) &&
-    write("attributes-with-exceptions", Mode::Quantized, Profile::Compact, 1e-30) &&
+  return write("attributes-as-they-are", Mode::Lossless, Profile::Small, 0) &&
+    write("attributes-bounded", Mode::Bounded, Profile::Small, 0.01) &&
+    write("attributes-with-exceptions", Mode::Quantized, Profile::Small, 1e-30) &&
     write("attributes-working", Mode::Lossless, Profile::Working, 0.01);
 }
 

@@ -2,7 +2,7 @@
 """Decodes arrays of the points: edge-index.md, section "Attributes"."""
 import struct
 
-from edge_index_coding import (PRIORS, AdaptiveBits, FastMagnitudes, clamp, decode_signed, divide,
+from edge_index_coding import (PRIORS, AdaptiveBits, PreviewMagnitudes, clamp, decode_signed, divide,
                                measure)
 from edge_index_crossings import list_neighbours
 from edge_index_values import GREATEST_FLOAT32, Measures, code_to_float, round_to_float32, wrap
@@ -13,7 +13,7 @@ class Component:
 
     def __init__(self, has_exceptions):
         self.exceptions = AdaptiveBits(1, 255) if has_exceptions else None
-        self.magnitudes = FastMagnitudes(PRIORS.crossings)
+        self.magnitudes = PreviewMagnitudes(PRIORS.crossings)
         self.measures = [Measures(0) for _ in range(3)]
         self.codes = {}  # by (x, y, z, axis)
         self.last = 0

@@ -182,7 +182,7 @@ def find_probabilities(stretched):
 
 
 class MagnitudePriors:
-    """What magnitudes begin with. Curved crossings have no symbols, since they are never fast."""
+    """What magnitudes begin with; values have no symbols, since previews have no values."""
 
     def __init__(self, tables, kind):
         levels = tables[kind + "Levels"]
@@ -245,8 +245,8 @@ class Magnitudes:
         return rest << low | decoder.digits(low)
 
 
-class FastMagnitudes(Magnitudes):
-    """Of the profile fast, of previews, and of attributes."""
+class PreviewMagnitudes(Magnitudes):
+    """Of previews, and of attributes."""
 
     def __init__(self, priors):
         super().__init__()
@@ -257,7 +257,7 @@ class FastMagnitudes(Magnitudes):
 
 
 class MixedMagnitudes(Magnitudes):
-    """Of the profiles default and compact."""
+    """Of the profile small."""
 
     def __init__(self, priors):
         super().__init__()

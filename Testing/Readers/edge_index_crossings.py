@@ -53,7 +53,7 @@ class EqualIntervals:
 
 
 class Crossings:
-    """Decodes the crossings of a block; profiles differ in magnitudes and prediction."""
+    """Decodes the crossings of a block; previews differ in magnitudes and prediction."""
 
     def __init__(self, cut, some_missing, magnitudes, prediction):
         self.cut, self.some_missing = cut, some_missing
@@ -98,7 +98,7 @@ def measure_error(interval, place):
 
 
 class MeanPrediction:
-    """The weighted mean of crossings of the same axis: profile fast, and previews."""
+    """The weighted mean of crossings of the same axis: previews."""
 
     NEIGHBOURS = [list_neighbours(axis, 2, (0, -1), lambda dz, axis=axis: (axis,), 11)
                   for axis in range(3)]

@@ -1,10 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Decodes on which side of the isovalue vertices lie: edge-index.md, section "Signs"."""
-from operator import mul
-
-from edge_index_coding import (PRIORS, SQUASH, STRETCH, AdaptiveBits, Mixers, clamp,
-                               read_tables)
-from read_interval_tree import check
+from edge_index_coding import PRIORS, AdaptiveBits, Mixers
 
 MARGIN = 4  # vertices that rows have beyond the block, on both sides
 
@@ -24,16 +20,15 @@ class Neighbours:
                 return slices[z - 1][0] if z > 0 else 0
             return slices[z][min(n, len(slices[z]) - 1)]
 
-        self.Y, self.YY, self.YYY = (find(present, y - n) for n in (1, 2, 3))
+        self.Y, self.YY = (find(present, y - n) for n in (1, 2))
         if present == 0:
-            self.Z = self.ZM = self.ZP = self.ZMM = self.ZPP = self.ZMMM = self.ZPPP = self.Y
-            self.ZZ = self.ZZM = self.ZZP = self.ZZMM = self.ZZPP = self.Y
+            self.Z = self.ZM = self.ZP = self.ZMM = self.ZPP = self.Y
+            self.ZZ = self.ZZM = self.ZZP = self.Y
             return
-        self.Z, self.ZM, self.ZP, self.ZMM, self.ZPP, self.ZMMM, self.ZPPP = (
-            find(present - 1, y + n) for n in (0, -1, 1, -2, 2, -3, 3))
+        self.Z, self.ZM, self.ZP, self.ZMM, self.ZPP = (
+            find(present - 1, y + n) for n in (0, -1, 1, -2, 2))
         second = max(present - 2, 0)
-        self.ZZ, self.ZZM, self.ZZP, self.ZZMM, self.ZZPP = (
-            find(second, y + n) for n in (0, -1, 1, -2, 2))
+        self.ZZ, self.ZZM, self.ZZP = (find(second, y + n) for n in (0, -1, 1))
 
     def are_quiet(self, x, sign):
         """Whether the bits that matter for runs all are `sign`, but for those of the row itself."""
@@ -61,7 +56,7 @@ def find_near(rows, x, flip):
 
 
 class Signs:
-    """Decodes slices of signs; profiles differ in how a vertex outside of runs is decoded."""
+    """Decodes slices of signs; previews differ in how a vertex outside of runs is decoded."""
 
     def __init__(self):
         self.quiet = AdaptiveBits.from_priors(PRIORS.quiet, 10, 1023)
@@ -73,13 +68,12 @@ class Signs:
         self.slices.append([])  # packed
         for y in range(height):
             rows.append(self._decode_row(
-                decoder, Neighbours(self.slices), (len(self.slices) - 1, y), (width, height)))
+                decoder, Neighbours(self.slices), len(self.slices) == 1, width))
             self.slices[-1].append(pack(rows[-1]))
         return rows
 
-    def _decode_row(self, decoder, rows, place, size):
-        """`place` is (z, y) of the row, `size` (width, height) of the slice."""
-        width = size[0]
+    def _decode_row(self, decoder, rows, first, width):
+        """`first`: whether the row is of the first slice."""
         own = [rows.Z >> MARGIN & 1] * MARGIN  # what lies left of it; vertices follow
         while len(own) < width + MARGIN:
             x = len(own) - MARGIN
@@ -87,7 +81,7 @@ class Signs:
             if own[-2] == sign and rows.are_quiet(x, sign):
                 self._decode_run(decoder, rows, x, width, own)
             else:
-                own.append(sign ^ self.decode_vertex(decoder, rows, own, (x, *place), size))
+                own.append(sign ^ self.decode_vertex(decoder, rows, own, x, first))
         return own[MARGIN:]
 
     def _decode_run(self, decoder, rows, x, width, own):
@@ -102,16 +96,15 @@ class Signs:
             own += [sign] * place + [1 - sign]
 
 
-class FastSigns(Signs):
-    """Of the profile fast, and of previews."""
+class PreviewSigns(Signs):
+    """Of previews."""
 
     def __init__(self):
         super().__init__()
         self.near = AdaptiveBits.from_priors(PRIORS.near, 10, 255)
 
-    def decode_vertex(self, decoder, rows, own, place, size):
-        x, z, _ = place
-        return self.near.decode(decoder, find_near(rows, x, own[-1]) | (z == 0) << 12)
+    def decode_vertex(self, decoder, rows, own, x, first):
+        return self.near.decode(decoder, find_near(rows, x, own[-1]) | first << 12)
 
 
 def find_pattern(rows, own, x, flip):
@@ -139,7 +132,7 @@ def scramble(k):
 
 
 class MixedSigns(Signs):
-    """Of the profile default."""
+    """Of the profile small."""
 
     def __init__(self):
         super().__init__()
@@ -148,9 +141,8 @@ class MixedSigns(Signs):
         self.tables = [AdaptiveBits(1 << 14, limit) for _ in range(5)]
         self.mixers = Mixers(PRIORS.sign_mixers)
 
-    def decode_vertex(self, decoder, rows, own, place, size):
-        x, z, _ = place
-        flip, first = own[-1], int(z == 0)
+    def decode_vertex(self, decoder, rows, own, x, first):
+        flip = own[-1]
 
         def at(row, a, b):
             return window(row, x, a, b, flip)
@@ -169,128 +161,3 @@ class MixedSigns(Signs):
         voters = [(self.near, near | first << 12)]
         voters += [(table, h & 0x3fff) for table, h in zip(self.tables, (h0, h1, h2, h3, h4))]
         return self.mixers.decode(decoder, core | own2 << 5 | first << 6, voters)
-
-
-class Network:
-    """The network: 91 bits become 16 numbers, and those a stretched probability."""
-
-    def __init__(self):
-        tables = read_tables("sign-network.txt")
-
-        def cut(table, width):
-            numbers = tables["SignNetwork" + table]
-            return [numbers[n:n + width] for n in range(0, len(numbers), width)]
-
-        *self.A, self.A_always = cut("First", 64)
-        self.B = cut("Second", 64)
-        (self.b,), (self.C,), ((self.c,),) = (
-            cut("SecondAdded", 16), cut("Third", 16), cut("ThirdAdded", 1))
-        check(len(self.A) == 91 and len(self.B) == 16, "sign-network.txt: other tables")
-
-    def apply(self, bits):
-        """h and o of the text."""
-        active = [row for row, bit in zip(self.A, bits) if bit]
-        a = [clamp(total, 0, 2047) for total in map(sum, zip(self.A_always, *active))]
-        h = [clamp(b + sum(map(mul, a, row)) >> 10, 0, 2047) for b, row in zip(self.b, self.B)]
-        return h, clamp(self.c + sum(map(mul, h, self.C)) >> 10, -2047, 2047)
-
-
-NETWORK = Network()
-
-
-def scramble_two(low, high):
-    k = (low * 0x9E3779B1 ^ high) * 0x85EBCA6B & 0xffffffff
-    return ((k ^ k >> 15) >> 3) & 0x3fff
-
-
-class WideMixers:
-    """Mixers of 32 inputs, in the order: h, d, o and constants."""
-
-    def __init__(self, count):
-        self.weights = [[0] * 16 + [1638] * 8 + [1 << 14] + [0] * 7 for _ in range(count)]
-
-    def vote(self, mixer, inputs):
-        return clamp(sum(map(mul, inputs, self.weights[mixer])) >> 14, -2047, 2047)
-
-    def learn(self, mixer, inputs, vote, bit):
-        error = ((65535 if bit else 0) - SQUASH[vote + 2048]) >> 1
-        self.weights[mixer] = [clamp(w + (v * error + 2**14 >> 15), -32767, 32767)
-                               for v, w in zip(inputs, self.weights[mixer])]
-
-
-class NetworkSigns(Signs):
-    """Of the profile compact."""
-
-    def __init__(self):
-        super().__init__()
-        self.tables = [AdaptiveBits(1 << 14, 200) for _ in range(8)]
-        self.mixers = [WideMixers(count) for count in (256, 32, 32, 64)]
-        self.cost = 1 << 20  # M of the text
-
-    def decode_vertex(self, decoder, rows, own, place, size):
-        h, o = NETWORK.apply(self._list_bits(rows, own, place, size))
-        core, indices = self._find_contexts(rows, own, place[0], o)
-        differences = []
-        for table, index in zip(self.tables, indices):
-            k = table.counts[index]
-            if k == 0:
-                table.probabilities[index] = 64 * SQUASH[o + 2048]
-                differences.append(0)
-            else:
-                stretched = STRETCH[table.probabilities[index] >> 10]
-                differences.append(
-                    clamp((stretched - o) * (8192 * k // (2 * k + 3)) >> 12, -2047, 2047))
-        inputs = [n >> 1 for n in h] + differences + [o, 64] + [0] * 6
-        x, flip = place[0], own[-1]
-        far = (window(rows.ZZ, x, -2, 2, flip),
-               window(rows.ZZM, x, -1, 1, flip) | window(rows.ZZP, x, -1, 1, flip) << 3)
-        used = list(zip(self.mixers, (min(self.cost >> 18, 7) << 5 | core, o + 2048 >> 7, *far)))
-        votes = [mixers.vote(mixer, inputs) for mixers, mixer in used]
-        probability = SQUASH[(sum(votes) >> 2) + 2048]
-        bit = decoder.bit(probability)
-        for (mixers, mixer), vote in zip(used, votes):
-            mixers.learn(mixer, inputs, vote, bit)
-        for table, index in zip(self.tables, indices):
-            table.learn(index, bit)
-        self.cost += (65536 - probability if bit else probability) - (self.cost >> 7)
-        return bit
-
-    @staticmethod
-    def _list_bits(rows, own, place, size):
-        """The 91 inputs of the network."""
-        (x, z, y), (width, height) = place, size
-        flip = own[-1]
-        bits = [own[-4] ^ flip, own[-3] ^ flip, own[-2] ^ flip, flip]
-        bits += [x == 0, x == 1, x == width - 1]
-        for reach, names in ((3, (rows.Y, rows.YY, rows.Z, rows.ZM, rows.ZP, rows.ZZ)),
-                             (2, (rows.YYY, rows.ZMM, rows.ZPP, rows.ZZM, rows.ZZP)),
-                             (1, (rows.ZMMM, rows.ZPPP, rows.ZZMM, rows.ZZPP))):
-            for row in names:
-                number = window(row, x, -reach, reach, flip)
-                bits += [number >> n & 1 for n in range(2 * reach + 1)]
-        return bits + [z == 0, z == 1, y == 0, y == 1, y == height - 1]
-
-    @staticmethod
-    def _find_contexts(rows, own, x, o):
-        """core, and an index for each table."""
-        flip = own[-1]
-
-        def at(row, a, b):
-            return window(row, x, a, b, flip)
-
-        near, out, core, own2 = find_pattern(rows, own, x, flip)
-        YY, ZZ, ZMM, ZPP = rows.YY, rows.ZZ, rows.ZMM, rows.ZPP
-        step = o + 2048 >> 7
-        return core, (
-            near,
-            scramble_two(near, out),
-            scramble_two(near | out << 12,
-                         at(ZMM, 0, 0) | at(ZPP, 0, 0) << 1 | at(YY, -1, -1) << 2
-                         | at(YY, 1, 1) << 3 | at(ZZ, -1, -1) << 4 | at(ZZ, 1, 1) << 5 | 1 << 6),
-            count_pattern(rows, x, flip, near, out, core),
-            scramble_two(near, at(ZZ, -1, 1) | at(rows.ZZM, 0, 0) << 3 | at(rows.ZZP, 0, 0) << 4
-                         | at(YY, -1, 1) << 5 | own2 << 8 | 1 << 9),
-            scramble_two(core | out << 5, at(ZMM, -1, 1) | at(ZPP, -1, 1) << 3 | at(YY, -1, 1) << 6
-                         | flip << 9 | 1 << 10),
-            step << 5 | core,
-            step << 4 | near.bit_count())

@@ -3,7 +3,6 @@
 import bisect
 import math
 import struct
-from operator import mul
 
 from edge_index_coding import (PRIORS, clamp, decode_on_both_sides, decode_signed, divide, measure)
 from read_blocked_volume import TYPES, make_threshold_key
@@ -207,7 +206,7 @@ INPUT_STEPS = ((0, 0, -1), (0, -1, 0), (1, 0, 0), (0, -1, -1), (0, -1, 1), (1, 0
 
 
 class FilterPrediction:
-    """One linear function that learns by least mean squares: profiles default and fast."""
+    """One linear function that learns by least mean squares."""
 
     def __init__(self):
         self.weights = list(PRIORS.weights)
@@ -237,120 +236,6 @@ class FilterPrediction:
         return inputs
 
 
-class LeastSquaresFunction:
-    """A linear function of the first `size` inputs, and the sums that its weights come from."""
-
-    def __init__(self, size, forgetting):
-        weights = [w >> 9 for w in PRIORS.weights[:size]]
-        self.size, self.forgetting = size, forgetting
-        self.weights = weights + [0] * (size - len(weights))
-        self.error = 1 << 16  # mean square
-        diagonal = 3000000
-        self.sums = [[diagonal if i == j else 0 for j in range(i + 1)] for i in range(size)]
-        self.sums.append([diagonal * w >> 16 for w in self.weights] + [0])  # of the height
-
-    def predict(self, inputs):
-        total = sum(map(mul, inputs, self.weights)) >> 12
-        return clamp(total, -131071, 131071)
-
-    def learn_error(self, prediction, height):
-        square = min((prediction - 16 * height)**2, 2**34)
-        self.error += square - self.error >> 4
-
-    def add(self, batch):
-        """Sums of products of a batch of inputs, each with its height at the end."""
-        columns = [[sample[i] for sample in batch] for i in range(self.size)]
-        columns.append([sample[-1] for sample in batch])
-        for i, row in enumerate(self.sums):
-            for j in range(i + 1):
-                products = sum(map(mul, columns[i], columns[j]))
-                row[j] += products - (row[j] >> self.forgetting)
-
-    def solve(self):
-        factors = factor(self.sums)
-        if factors:
-            self.weights = substitute_back(*factors, self.size)
-
-
-def factor(sums):
-    """Cholesky's decomposition of rows of sums, the last one being the target's, in whole numbers.
-
-    Returns L and what its diagonal is divided by, or nothing.
-    """
-    n = len(sums) - 1
-    diagonal = [sums[i][i] for i in range(n)] + [sums[n][n] | 1]
-    shift = 58 - max(diagonal).bit_length()
-    A = [[a << shift if shift >= 0 else a >> -shift for a in row] for row in sums]
-    L, inverses = [], []
-    for i in range(n + 1):
-        row = []
-        for j in range(min(i, n)):
-            rest = A[i][j] - sum(map(mul, row, L[j]))
-            row.append(clamp(rest * inverses[j] >> 60, -2**29, 2**29))
-        if i < n:
-            rest = A[i][i] - sum(map(mul, row, row)) + 2**42
-            if rest < 2**40:
-                return None
-            row.append(min(math.isqrt(rest), 2**29))
-            inverses.append(2**60 // row[i])
-        L.append(row)
-    return L, inverses
-
-
-def substitute_back(L, inverses, n):
-    """The weights of the first n inputs, if there are no others."""
-    W = [0] * n
-    for i in range(n - 1, -1, -1):
-        rest = (L[-1][i] << 16) - sum(L[k][i] * W[k] for k in range(i + 1, n))
-        W[i] = clamp(rest * inverses[i] >> 60, -2**19, 2**19)
-    return W
-
-
-class LeastSquaresPrediction(FilterPrediction):
-    """Two linear functions that learn by least squares, one fast: profile compact."""
-
-    def __init__(self):
-        self.slow, self.quick = LeastSquaresFunction(24, 7), LeastSquaresFunction(10, 3)
-        self.batch, self.batches = [], 0
-
-    def begin_slice(self, mean):
-        pass
-
-    def begin_row(self):
-        pass
-
-    def find_inputs(self, block, heights, x, y, z, mean):
-        inputs = super().find_inputs(block, heights, x, y, z, mean)
-        t = mean >> 6
-        inputs += [heights[1][y + 1][x + 1], heights[1][y + 3][x + 3]]
-        inputs += [t if block.is_inside(x + dx, y + dy, z + dz) else -t for dx, dy, dz in
-                   ((1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1))]
-        return inputs
-
-    def predict(self, inputs):
-        self.both = slow, quick = self.slow.predict(inputs), self.quick.predict(inputs)
-        shift = max(0, max(self.slow.error, self.quick.error).bit_length() - 18)
-        of_slow, of_quick = ((f.error >> shift) + 1 for f in (self.slow, self.quick))
-        share = (of_quick**2 << 16) // (of_slow**2 + of_quick**2)
-        return slow * share + quick * (2**16 - share) + 2**19 >> 20
-
-    def learn(self, inputs, prediction, height):
-        if abs(height) == HEIGHT_LIMIT:
-            return
-        for function, predicted in zip((self.slow, self.quick), self.both):
-            function.learn_error(predicted, height)
-        self.batch.append(inputs + [height])
-        if len(self.batch) < 8:
-            return
-        for function in (self.slow, self.quick):
-            function.add(self.batch)
-        self.batch = []
-        self.batches += 1
-        self.quick.solve()
-        if self.batches % 2 == 0:
-            self.slow.solve()
-
-
 class Measures:
     """The measure that came last at each place (x, y) of any slice, `begin` where none came."""
 
@@ -370,14 +255,10 @@ class Measures:
 
 
 class Values:
-    """Decodes the values of a block.
+    """Decodes the values of a block."""
 
-    Profiles differ in magnitudes, prediction, and which vertices are visited.
-    """
-
-    def __init__(self, domain, magnitudes, prediction, visits_more):
-        self.domain, self.magnitudes, self.prediction = domain, magnitudes, prediction
-        self.visits_more = visits_more
+    def __init__(self, domain, magnitudes):
+        self.domain, self.magnitudes, self.prediction = domain, magnitudes, FilterPrediction()
         self.mean = 700 * 64  # M of the text
         self.measures = Measures(24)
         self.heights = []  # of this slice, the one before and the one before that
@@ -402,8 +283,6 @@ class Values:
 
     def _find_visited(self, block, z):
         """The vertices that get a predicted height, some of them a value too."""
-        if not self.visits_more:
-            return ()
         places = [(x, y) for y in range(block.ny) for x in range(block.nx)]
         near = {(x, y) for x, y in places if block.is_relevant(x, y, z)}
         if not near:

@@ -16,19 +16,17 @@ import struct
 import sys
 
 from edge_index_attributes import Attribute
-from edge_index_coding import PRIORS, FastMagnitudes, MixedMagnitudes, RangeDecoder, clamp
+from edge_index_coding import PRIORS, PreviewMagnitudes, MixedMagnitudes, RangeDecoder, clamp
 from edge_index_crossings import Crossings, EqualIntervals, MeanPrediction, PlanePrediction
-from edge_index_curved_crossings import CurvedCrossings, WideIntervals
 from edge_index_planes import PlaneCrossings, Planes, PlaneSigns, PlaneValues
-from edge_index_signs import FastSigns, MixedSigns, NetworkSigns
-from edge_index_values import (FilterPrediction, LeastSquaresPrediction, Values, make_domain,
-                               round_to_float32)
+from edge_index_signs import MixedSigns, PreviewSigns
+from edge_index_values import Values, make_domain, round_to_float32
 from read_interval_tree import FormatError, check, hash64, read_file
 
 TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",
               "float64")
 MODES = ("lossless", "bounded", "quantized", "smallest")
-PROFILES = ("default", "fast", "compact", "working")
+PROFILES = {0: "small", 3: "working"}
 VERSIONS = (1, 2)
 UNITS = ("", "m", "dm", "cm", "mm", "um", "nm", "pm", "angstrom", "km", "inch", "foot")
 
@@ -101,7 +99,7 @@ class Header:
     def _read_fixed_part(self, source):
         type_number, mode, profile, self.quantization_bits, self.isovalue_count = \
             source.unpack("BBBBI")
-        check(type_number < len(TYPE_NAMES) and mode < len(MODES) and profile < len(PROFILES)
+        check(type_number < len(TYPE_NAMES) and mode < len(MODES) and profile in PROFILES
               and self.isovalue_count <= 65536, "header: impossible type, mode, profile or count")
         self.type_name, self.mode = TYPE_NAMES[type_number], MODES[mode]
         self.profile = PROFILES[profile]
@@ -253,62 +251,49 @@ class Block:
                 for x in range(self.nx) if self.is_crossed(x, y, z, axis)]
 
 
-def make_signs(profile, planes):
+def make_signs(is_preview, planes):
     if planes:
         return PlaneSigns(planes)
-    if profile == "compact":
-        return NetworkSigns()
-    return FastSigns() if profile == "fast" else MixedSigns()
+    return PreviewSigns() if is_preview else MixedSigns()
 
 
-def make_magnitudes(profile, priors):
-    return FastMagnitudes(priors) if profile == "fast" else MixedMagnitudes(priors)
+def make_values(domain, planes):
+    return PlaneValues(planes, domain) if planes else Values(domain, MixedMagnitudes(PRIORS.values))
 
 
-def make_values(profile, domain, planes):
-    if planes:
-        return PlaneValues(planes, domain)
-    prediction = LeastSquaresPrediction() if profile == "compact" else FilterPrediction()
-    return Values(domain, make_magnitudes(profile, PRIORS.values), prediction, profile != "fast")
-
-
-def make_crossings(profile, grid, maximum_error, some_missing, planes):
-    if profile == "compact":
-        width = math.floor(grid.find_error_left(maximum_error) * 2**31)
-        return CurvedCrossings(WideIntervals(width), some_missing)
+def make_crossings(is_preview, grid, maximum_error, some_missing, planes):
     cut = EqualIntervals(grid.count_intervals(maximum_error))
     if planes:
         return PlaneCrossings(planes, cut, some_missing)
-    prediction = MeanPrediction() if profile == "fast" else PlanePrediction()
-    magnitudes = make_magnitudes(profile, PRIORS.crossings)
-    return Crossings(cut, some_missing, magnitudes, prediction)
+    if is_preview:
+        return Crossings(cut, some_missing, PreviewMagnitudes(PRIORS.crossings), MeanPrediction())
+    return Crossings(cut, some_missing, MixedMagnitudes(PRIORS.crossings), PlanePrediction())
 
 
 class DecodedBlock:
     """A block's signs, parameters of crossings by (x, y, z, axis), and attributes alike."""
 
     def __init__(self, header, record, scale, code):
-        profile = "fast" if record.preview else header.profile
         self.block = block = Block(record.cells)
         self.parameters = {}
         self.attributes = [{} for _ in header.attributes] if not record.preview else []
         planes = None
-        if profile == "working":
+        if header.profile == "working" and not record.preview:
             source = Bytes(code)
             planes = Planes(source, block)
             code = code[source.position:]
         decoder = RangeDecoder(code)
         attributes = [Attribute(decoder, description) for description in header.attributes
                       ] if not record.preview else []
-        signs = make_signs(profile, planes)
+        signs = make_signs(record.preview, planes)
         isovalue = header.isovalues[record.isovalue]
         if record.codes_crossings:
             grid = header.make_preview_grid() if record.preview else header.grid
             error = header.preview_error if record.preview else header.maximum_error
             geometry = make_crossings(
-                profile, grid, error, record.some_missing, planes)
+                record.preview, grid, error, record.some_missing, planes)
         else:
-            geometry = make_values(profile, make_domain(header, isovalue, scale), planes)
+            geometry = make_values(make_domain(header, isovalue, scale), planes)
         values = {}
         for z in range(block.nz):
             while len(block.slices) < min(z + 2, block.nz):
@@ -330,7 +315,7 @@ class DecodedBlock:
                 values, isovalue, "float32" if header.mode == "quantized" else header.type_name)
             if header.version == 2 and header.mode == "smallest":
                 self._round_on_faces(make_crossings(
-                    profile, header.grid, header.maximum_error, False, None).cut)
+                    False, header.grid, header.maximum_error, False, None).cut)
         check(len(self.parameters) == record.points, "record: another number of points")
 
     def _add_crossings(self, found, cut, z):

@@ -17,6 +17,7 @@
 #include "vtkPlane.h"
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
+#include "vtkTestErrorObserver.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUniformGrid.h"
 
@@ -123,8 +124,7 @@ TEST_F(EdgeIndexWriter, LosslessFilesHoldTheSurfaceOfFlyingEdgesForAllTypes)
     TurnObliquely(image);
     this->Contour->SetInputData(image);
     this->SetIsovalues({ 70 });
-    for (const int profile : { vtkEdgeIndexWriter::DEFAULT, vtkEdgeIndexWriter::FAST,
-           vtkEdgeIndexWriter::COMPACT, vtkEdgeIndexWriter::WORKING })
+    for (const int profile : { vtkEdgeIndexWriter::SMALL, vtkEdgeIndexWriter::WORKING })
     {
       this->Writer->SetProfile(profile);
       this->Write();
@@ -138,6 +138,22 @@ TEST_F(EdgeIndexWriter, LosslessFilesHoldTheSurfaceOfFlyingEdgesForAllTypes)
         EXPECT_TRUE(AreEqual(read, expected)) << "VTK type " << type;
       }
     }
+  }
+}
+
+TEST_F(EdgeIndexWriter, ProfilesOfOlderStatesBecomeTheNearestWithAWarning)
+{
+  vtkNew<vtkTest::ErrorObserver> observer;
+  this->Writer->AddObserver(vtkCommand::WarningEvent, observer);
+  for (const auto& [older, now] :
+    { std::pair(1, vtkEdgeIndexWriter::WORKING), std::pair(2, vtkEdgeIndexWriter::SMALL) })
+  {
+    this->Writer->SetProfile(older);
+    EXPECT_EQ(this->Writer->GetProfile(), now);
+    EXPECT_TRUE(observer->GetWarning());
+    observer->Clear();
+    this->Writer->SetProfile(now);
+    EXPECT_FALSE(observer->GetWarning());
   }
 }
 

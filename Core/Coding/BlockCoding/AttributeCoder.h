@@ -90,7 +90,7 @@ private:
 
   struct Component
   {
-    ResidualModel Residuals{ false, { nullptr, &CrossingSymbols, nullptr } };
+    ResidualModel Residuals;
     AdaptiveBit Exception;
     std::array<std::unique_ptr<Plane>, 2> Codes{ std::make_unique<Plane>(),
       std::make_unique<Plane>() };

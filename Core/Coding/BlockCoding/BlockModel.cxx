@@ -14,12 +14,6 @@ constexpr std::uint32_t SignCount = 10;
 constexpr std::uint32_t LevelCount = 8;
 constexpr std::uint32_t SideCount = 2;
 
-void SetPriors(QuietSigns& quiet)
-{
-  std::transform(QuietSignPriors.begin(), QuietSignPriors.end(), quiet.begin(),
-    [](std::int8_t prior) { return MakeAdaptiveBit(prior, SignCount); });
-}
-
 template <typename Weights>
 void SetWeights(const Weights& weights, std::size_t count, LogisticMixer* mixers)
 {
@@ -40,7 +34,8 @@ SignModel::SignModel(bool mixed)
   }
   std::transform(NearSignPriors.begin(), NearSignPriors.end(), this->Near.begin(),
     [](std::int8_t prior) { return MakeAdaptiveBit(prior, SignCount); });
-  SetPriors(this->Quiet);
+  std::transform(QuietSignPriors.begin(), QuietSignPriors.end(), this->Quiet.begin(),
+    [](std::int8_t prior) { return MakeAdaptiveBit(prior, SignCount); });
   SetWeights(SignMixers, this->Mixers.size(), this->Mixers.data());
 }
 
@@ -52,46 +47,25 @@ void SignModel::Reset(const SignModel& fresh)
   this->Mixers = fresh.Mixers;
 }
 
-NetworkSignModel::NetworkSignModel(bool used)
+ResidualModel::ResidualModel()
+  : Symbols(std::size_t(NumberOfLevels) * 8)
 {
-  if (!used)
+  for (std::size_t n = 0; n < CrossingSymbols.size(); ++n)
   {
-    return;
+    this->Symbols[n / NumberOfSymbols].Cumulative[n % NumberOfSymbols] =
+      static_cast<std::int16_t>(CrossingSymbols[n]);
   }
-  for (std::size_t n = 0; n < NumberOfContexts; ++n)
-  {
-    this->Contexts[n].resize(std::size_t{ 1 } << ContextBits[n]);
-  }
-  // At first the network's prediction counts in full, and differences in contexts a little.
-  WideMixer mixer{};
-  const auto contexts = mixer.Weights.begin() + SignNetwork::Depth;
-  std::fill_n(contexts, NumberOfContexts, std::int16_t{ 1638 });
-  contexts[NumberOfContexts] = 1 << 14;
-  for (std::size_t n = 0; n < NumberOfKinds; ++n)
-  {
-    this->Mixers[n].resize(KindSizes[n], mixer);
-  }
-  SetPriors(this->Quiet);
 }
 
-ResidualModel::ResidualModel(bool mixed, const MagnitudeTables& tables)
+ResidualModel::ResidualModel(
+  const std::array<std::int8_t, 512>& levels, const std::array<std::int16_t, 512>& mixers)
 {
-  if (!mixed)
-  {
-    this->Symbols.resize(std::size_t(NumberOfLevels) * 8);
-    for (std::size_t n = 0; n < tables.Symbols->size(); ++n)
-    {
-      this->Symbols[n / NumberOfSymbols].Cumulative[n % NumberOfSymbols] =
-        static_cast<std::int16_t>((*tables.Symbols)[n]);
-    }
-    return;
-  }
-  const auto makeTree = [&tables](std::size_t level, std::uint32_t count)
+  const auto makeTree = [&levels](std::size_t level, std::uint32_t count)
   {
     SymbolTree tree;
     for (std::size_t node = 0; node < tree.Nodes.size(); ++node)
     {
-      tree.Nodes[node] = MakeAdaptiveBit((*tables.Levels)[level * NumberOfSymbols + node], count);
+      tree.Nodes[node] = MakeAdaptiveBit(levels[level * NumberOfSymbols + node], count);
     }
     return tree;
   };
@@ -106,7 +80,7 @@ ResidualModel::ResidualModel(bool mixed, const MagnitudeTables& tables)
   }
   this->BySide = SideTrees(std::move(sides));
   this->Mixers.resize(NumberOfMixerSets * std::size_t(NumberOfSymbols));
-  SetWeights(*tables.Mixers, this->Mixers.size(), this->Mixers.data());
+  SetWeights(mixers, this->Mixers.size(), this->Mixers.data());
 }
 
 void ResidualModel::Reset(const ResidualModel& fresh)
@@ -118,8 +92,8 @@ void ResidualModel::Reset(const ResidualModel& fresh)
   this->Escape = fresh.Escape;
 }
 
-ValueModel::ValueModel(bool mixed)
-  : Residuals(mixed, { &ValueLevels, &ValueSymbols, &ValueMixers })
+ValueModel::ValueModel(bool isUsed)
+  : Residuals(isUsed ? ResidualModel(ValueLevels, ValueMixers) : ResidualModel())
 {
   for (std::size_t n = 0; n < this->Weights.size(); ++n)
   {
@@ -135,10 +109,8 @@ void ValueModel::Reset(const ValueModel& fresh)
   this->MeanLevel = fresh.MeanLevel;
 }
 
-CrossingModel::CrossingModel(EdgeIndexProfile profile)
-  : Residuals(profile == EdgeIndexProfile::Compact
-        ? ResidualModel(true, { &CurvedCrossingLevels, nullptr, &CurvedCrossingMixers })
-        : ResidualModel(IsMixed(profile), { &CrossingLevels, &CrossingSymbols, &CrossingMixers }))
+CrossingModel::CrossingModel(bool mixed)
+  : Residuals(mixed ? ResidualModel(CrossingLevels, CrossingMixers) : ResidualModel())
 {
 }
 
@@ -152,14 +124,7 @@ void CrossingModel::Reset(const CrossingModel& fresh)
 void BlockModel::Reset(bool forValues)
 {
   const BlockModel& fresh = GetFreshModel(this->Profile);
-  if (this->Profile == EdgeIndexProfile::Compact)
-  {
-    this->NetworkSigns = fresh.NetworkSigns;
-  }
-  else
-  {
-    this->Signs.Reset(fresh.Signs);
-  }
+  this->Signs.Reset(fresh.Signs);
   if (forValues)
   {
     this->Values.Reset(fresh.Values);
@@ -172,10 +137,12 @@ void BlockModel::Reset(bool forValues)
 
 const BlockModel& GetFreshModel(EdgeIndexProfile profile)
 {
-  static const BlockModel models[] = { BlockModel(EdgeIndexProfile::Default),
-    BlockModel(EdgeIndexProfile::Fast), BlockModel(EdgeIndexProfile::Compact),
-    BlockModel(EdgeIndexProfile::Working) };
-  return models[static_cast<std::size_t>(profile)];
+  static const BlockModel small(EdgeIndexProfile::Small);
+  static const BlockModel preview(EdgeIndexProfile::Preview);
+  static const BlockModel working(EdgeIndexProfile::Working);
+  return profile == EdgeIndexProfile::Small ? small
+    : profile == EdgeIndexProfile::Preview  ? preview
+                                            : working;
 }
 
 } // namespace isosurface

@@ -4,7 +4,6 @@
 
 #include "Coding/BlockCoding/CrossingCoder.h"
 #include "Coding/BlockCoding/EdgeIndexProfile.h"
-#include "Coding/BlockCoding/NetworkSigns.h"
 #include "Coding/BlockCoding/SignCoder.h"
 #include "Coding/BlockCoding/ValueCoder.h"
 
@@ -16,10 +15,9 @@ struct BlockModel
 {
   explicit BlockModel(EdgeIndexProfile profile)
     : Profile(profile)
-    , Signs(profile == EdgeIndexProfile::Default)
-    , NetworkSigns(profile == EdgeIndexProfile::Compact)
-    , Values(IsMixed(profile))
-    , Crossings(profile)
+    , Signs(profile == EdgeIndexProfile::Small)
+    , Values(profile == EdgeIndexProfile::Small)
+    , Crossings(profile == EdgeIndexProfile::Small)
   {
   }
 
@@ -28,9 +26,8 @@ struct BlockModel
   void Reset(bool forValues);
 
   EdgeIndexProfile Profile;
-  SignModel Signs;               ///< not used by the profile compact
-  NetworkSignModel NetworkSigns; ///< used by the profile compact
-  ValueModel Values;
+  SignModel Signs;
+  ValueModel Values; ///< of the profile small only
   CrossingModel Crossings;
 };
 

@@ -3,11 +3,8 @@
 #define isosurface_CrossingCoder_h
 
 #include "Coding/BlockCoding/CrossingIntervals.h"
-#include "Coding/BlockCoding/EdgeIndexProfile.h"
 #include "Coding/BlockCoding/ResidualCoder.h"
-#include "Coding/Prediction/CrossingCycles.h"
 #include "Coding/Prediction/CrossingFit.h"
-#include "Coding/Prediction/CurvedFit.h"
 #include "Coding/Prediction/SignRows.h"
 
 #include <algorithm>
@@ -22,7 +19,7 @@ namespace isosurface
 /// What is learnt about the crossings of a block.
 struct CrossingModel
 {
-  explicit CrossingModel(EdgeIndexProfile profile);
+  explicit CrossingModel(bool mixed);
 
   /// Forgets what was learnt since it was like `fresh`.
   void Reset(const CrossingModel& fresh);
@@ -36,10 +33,9 @@ struct CrossingModel
  * Codes where the surface crosses the edges of a block, slice after slice: the rows of a slice, for
  * each row the edges along x, y, then z (to the next slice). An edge is cut into intervals; the
  * interval of the crossing is predicted from decoded crossings nearby, of edges in all directions.
- * The profile default predicts by a plane (CrossingFit), compact by a mixture of a plane and a
- * quadratic surface (CurvedFit) and by cycles of crossed edges (CrossingCycles).
+ * CrossingFit predicts by a plane if `Mixed`, else by the mean of parallel edges.
  */
-template <typename Coder, EdgeIndexProfile Profile>
+template <typename Coder, bool Mixed>
 class CrossingCoder
 {
 public:
@@ -64,12 +60,9 @@ public:
         std::fill_n(plane.Positions.begin(), used, CrossingFit::None);
       }
     }
-    for (std::size_t n = 0; n < (Curved ? 3 : 1); ++n)
+    for (ErrorLevels& levels : this->Levels)
     {
-      for (ErrorLevels& levels : this->Levels[n])
-      {
-        std::fill_n(levels.begin(), used, static_cast<std::uint16_t>(model.MeanLevel / 16));
-      }
+      std::fill_n(levels.begin(), used, static_cast<std::uint16_t>(model.MeanLevel / 16));
     }
   }
 
@@ -110,16 +103,7 @@ public:
   }
 
 private:
-  static constexpr bool Mixed = IsMixed(Profile);
-  static constexpr bool Curved = Profile == EdgeIndexProfile::Compact;
   static constexpr std::ptrdiff_t RowStride = CrossingFit::RowStride;
-
-  // The share of the quadratic fit is a logistic function (Squash) of the sum of: a constant, the
-  // difference of the fits' expected levels, and their mean difference in the block; factors of
-  // these.
-  static constexpr int BlendBegin = 30;
-  static constexpr int BlendAround = 40;
-  static constexpr int BlendMean = 90;
 
   using ErrorLevels = std::array<std::uint16_t, CrossingPlaneSize>;
 
@@ -129,11 +113,6 @@ private:
     int Steepness = 0;         ///< see CrossingFit::Result
     int Number = 0;            ///< likewise
     int Level = 0;             ///< MeasureMagnitude of the expected error in eighths of an interval
-    // Only if curved:
-    bool IsClosed = false;      ///< cycles lead to the edge
-    std::int32_t Fitted = 0;    ///< Position before cycles changed it
-    std::int32_t Linear = 0;    ///< of the linear fit
-    std::int32_t Quadratic = 0; ///< of the quadratic fit
   };
 
   SignRow FindCrossed(int axis, int y, const SignSlice& slice, const SignSlice* above) const
@@ -186,22 +165,12 @@ private:
   Prediction Predict(int axis, int x, int y, std::ptrdiff_t at) const
   {
     const bool inside = this->Slices[1]->At(y).Get(x);
-    if constexpr (Curved)
-    {
-      return this->PredictCurved(axis, x, y, at, inside);
-    }
-    else
-    {
-      const CrossingFit::Result fit = Mixed
-        ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Planes)
-        : this->Fit.PredictParallel(axis, x, y, at, this->Planes);
-      Prediction prediction;
-      prediction.Position = fit.Position;
-      prediction.Steepness = fit.Steepness;
-      prediction.Number = fit.Number;
-      prediction.Level = this->FindLevel(0, axis, at);
-      return prediction;
-    }
+    const CrossingFit::Result fit = Mixed
+      ? this->Fit.Predict(axis, x, y, at, inside, this->Slices, this->Planes)
+      : this->Fit.PredictParallel(axis, x, y, at, this->Planes);
+    // The expected error follows from the errors around.
+    return { fit.Position, fit.Steepness, fit.Number,
+      FindExpectedLevel(this->Levels[static_cast<std::size_t>(axis)].data() + at, RowStride) };
   }
 
   void CodeBin(int axis, const Prediction& prediction, std::uint32_t& bin)
@@ -230,60 +199,6 @@ private:
     }
   }
 
-  // The expected error of a prediction, from the errors around.
-  int FindLevel(std::size_t of, int axis, std::ptrdiff_t at) const
-  {
-    return FindExpectedLevel(
-      this->Levels[of][static_cast<std::size_t>(axis)].data() + at, RowStride);
-  }
-
-  // The linear and the quadratic fit, mixed by their errors nearby and in the whole block, and
-  // cycles.
-  Prediction PredictCurved(int axis, int x, int y, std::ptrdiff_t at, bool inside) const
-  {
-    const CurvedFit::Result fit =
-      CurvedFit::Get().Predict(axis, x, y, at, inside, this->Slices, this->Planes);
-    const int better = BlendBegin +
-      BlendAround * (this->FindLevel(1, axis, at) - this->FindLevel(2, axis, at)) +
-      (BlendMean * this->MeanDifference >> 8);
-    const auto share = static_cast<std::int64_t>(
-      Tables.Squash[static_cast<std::size_t>(std::clamp(better, -2047, 2047) + 2048)]);
-    Prediction prediction;
-    prediction.Linear = fit.Linear;
-    prediction.Quadratic = fit.Quadratic;
-    prediction.Fitted =
-      fit.Linear + static_cast<std::int32_t>((fit.Quadratic - fit.Linear) * share >> 16);
-    prediction.Position = prediction.Fitted;
-    prediction.Steepness = fit.Steepness;
-    prediction.Number = fit.Number;
-    prediction.Level = this->FindLevel(0, axis, at);
-    this->CloseCycles(axis, x, y, at, prediction);
-    return prediction;
-  }
-
-  // Improves the prediction where cycles lead to the edge. Cycles and fits count by the inverse of
-  // their variances; that of the fits follows from the level.
-  void CloseCycles(int axis, int x, int y, std::ptrdiff_t at, Prediction& prediction) const
-  {
-    const CrossingCycles::Result cycles =
-      CrossingCycles::Get().Predict(axis, x, y, at, this->Planes);
-    if (cycles.Weight == 0)
-    {
-      return;
-    }
-    const int octaves = std::min(prediction.Level / 4, 30);
-    const std::int64_t variance =
-      61 + (128 + 32 * (prediction.Level % 4)) * (std::int64_t{ 1 } << octaves);
-    const std::int64_t weight = std::max<std::int64_t>((std::int64_t{ 1 } << 30) / variance, 1);
-    const std::int64_t other = cycles.Weight << 6;
-    prediction.Position = static_cast<std::int32_t>(
-      (prediction.Position * weight + cycles.Position * other) / (weight + other));
-    const int gain = MeasureMagnitude(static_cast<std::uint64_t>(weight + other)) -
-      MeasureMagnitude(static_cast<std::uint64_t>(weight));
-    prediction.Level = std::max(prediction.Level - gain / 2, 0);
-    prediction.IsClosed = true;
-  }
-
   void FindSides(int axis, const BoundedGuess& guess, int quarter, const Prediction& prediction,
     ResidualContext& context) const
   {
@@ -302,41 +217,17 @@ private:
       context.Sides[3] = sixteenth | side << 4;
       context.Sides[4] = steep | static_cast<std::uint32_t>(std::min(prediction.Number, 7)) << 3;
     }
-    if constexpr (Curved)
-    {
-      const std::int64_t above = guess.Maximum - guess.Guess;
-      context.Sides[0] |= static_cast<std::uint32_t>(std::min<std::int64_t>(above, 3)) << 5;
-      context.Sides[4] |= prediction.IsClosed ? 64 : 0;
-    }
   }
 
+  // Remembers the error of a prediction.
   void Learn(int axis, std::ptrdiff_t at, const Prediction& prediction, std::uint32_t bin)
   {
-    if constexpr (Curved)
-    {
-      this->SetLevel(0, axis, at, bin, prediction.Fitted);
-      const int linear = this->SetLevel(1, axis, at, bin, prediction.Linear);
-      const int quadratic = this->SetLevel(2, axis, at, bin, prediction.Quadratic);
-      this->MeanDifference += (256 * (linear - quadratic) - this->MeanDifference) / 128;
-    }
-    else
-    {
-      this->SetLevel(0, axis, at, bin, prediction.Position);
-    }
-    const int level = this->Levels[0][static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)];
-    this->Model.MeanLevel += level - this->Model.MeanLevel / 16;
-  }
-
-  // Remembers the error of a prediction; returns its level.
-  int SetLevel(
-    std::size_t of, int axis, std::ptrdiff_t at, std::uint32_t bin, std::int32_t predicted)
-  {
     const std::int64_t error =
-      8 * std::int64_t{ bin } + 4 - (this->Intervals.Locate(predicted) >> 13);
+      8 * std::int64_t{ bin } + 4 - (this->Intervals.Locate(prediction.Position) >> 13);
     const int level = MeasureMagnitude(static_cast<std::uint64_t>(error < 0 ? -error : error));
-    this->Levels[of][static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
+    this->Levels[static_cast<std::size_t>(axis)][static_cast<std::size_t>(at)] =
       static_cast<std::uint16_t>(level);
-    return level;
+    this->Model.MeanLevel += level - this->Model.MeanLevel / 16;
   }
 
   Coder& Output;
@@ -349,14 +240,10 @@ private:
   int SizeX;
   int SizeY;
   bool IsLast = false;
-  int MeanDifference =
-    2 << 8; ///< level of the linear fit minus that of the quadratic one, times 256
   std::array<const SignSlice*, 3> Slices{}; ///< before, this one, after
   std::array<std::array<CrossingPlane, 3>, 3> Memory;
-  CrossingPlanes Planes{}; ///< [this slice, the one before, the next one][axis]
-  /// Levels of errors: of the prediction; if curved, also of the linear and of the quadratic fit.
-  /// [which][axis]
-  std::array<std::array<ErrorLevels, 3>, Curved ? 3 : 1> Levels;
+  CrossingPlanes Planes{};           ///< [this slice, the one before, the next one][axis]
+  std::array<ErrorLevels, 3> Levels; ///< of the errors of predictions, by axis
 };
 
 } // namespace isosurface

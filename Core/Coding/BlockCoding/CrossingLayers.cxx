@@ -7,7 +7,7 @@ namespace isosurface
 namespace
 {
 
-template <typename Coder, EdgeIndexProfile Profile>
+template <typename Coder, bool Mixed>
 class CrossingLayer : public SliceLayer
 {
 public:
@@ -52,7 +52,7 @@ private:
     }
   }
 
-  CrossingCoder<Coder, Profile> Edges;
+  CrossingCoder<Coder, Mixed> Edges;
   BlockValues& Values;
   int SizeY;
   CoderInstructions Instructions;
@@ -64,18 +64,12 @@ template <typename Coder>
 std::unique_ptr<SliceLayer> MakeCrossingLayer(Coder& coder, BlockModel& model,
   const BlockContent& content, BlockValues& values, CoderInstructions instructions)
 {
-  switch (model.Profile)
+  if (model.Profile == EdgeIndexProfile::Small)
   {
-    case EdgeIndexProfile::Compact:
-      return std::make_unique<CrossingLayer<Coder, EdgeIndexProfile::Compact>>(
-        coder, model, content, values, instructions);
-    case EdgeIndexProfile::Fast:
-      return std::make_unique<CrossingLayer<Coder, EdgeIndexProfile::Fast>>(
-        coder, model, content, values, instructions);
-    default:
-      return std::make_unique<CrossingLayer<Coder, EdgeIndexProfile::Default>>(
-        coder, model, content, values, instructions);
+    return std::make_unique<CrossingLayer<Coder, true>>(
+      coder, model, content, values, instructions);
   }
+  return std::make_unique<CrossingLayer<Coder, false>>(coder, model, content, values, instructions);
 }
 
 template std::unique_ptr<SliceLayer> MakeCrossingLayer(

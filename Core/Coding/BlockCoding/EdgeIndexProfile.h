@@ -10,16 +10,15 @@ namespace isosurface
 /// How much time is spent on coding few bits. The numbers are those of the file format.
 enum class EdgeIndexProfile : std::uint8_t
 {
-  Default = 0, ///< probabilities mixed from several contexts
-  Fast = 1,    ///< one context for each probability
-  Compact = 2, ///< mixed as well; signs, values and crossings have predictions that take longer
+  Small = 0,   ///< probabilities that learn, mixed from several contexts
+  Preview = 1, ///< one context for each probability; only for the blocks of previews
   Working = 3  ///< nothing is learnt: planes of bytes, see BytePlanes
 };
 
-/// Whether probabilities are mixed from several contexts.
-constexpr bool IsMixed(EdgeIndexProfile profile)
+/// The profile of a number that a script or state may have; 1 and 2 were others in version 1.0.
+constexpr EdgeIndexProfile FindNearestProfile(int number)
 {
-  return profile == EdgeIndexProfile::Default || profile == EdgeIndexProfile::Compact;
+  return number <= 0 || number == 2 ? EdgeIndexProfile::Small : EdgeIndexProfile::Working;
 }
 
 } // namespace isosurface

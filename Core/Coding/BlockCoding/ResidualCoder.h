@@ -30,7 +30,7 @@ inline int MeasureMagnitude(std::uint64_t magnitude)
 struct ResidualContext
 {
   int Level = 0; ///< the expected magnitude, as MeasureMagnitude gives it
-  /// Side information: further contexts, below 128 each. The profile fast uses the first one only.
+  /// Side information: further contexts, below 128 each. Not mixed, only the first one counts.
   std::array<std::uint32_t, 5> Sides{};
 };
 
@@ -157,7 +157,11 @@ struct ResidualModel
   static constexpr int NumberOfLevels = 32;
   static constexpr int NumberOfMixerSets = 4;
 
-  ResidualModel(bool mixed, const MagnitudeTables& tables);
+  /// Not mixed; begins with the shares of CrossingSymbols.
+  ResidualModel();
+  /// Mixed; levels, mixers: see TrainedTables.h.
+  ResidualModel(
+    const std::array<std::int8_t, 512>& levels, const std::array<std::int16_t, 512>& mixers);
 
   /// Forgets what was learnt since it was like `fresh`.
   void Reset(const ResidualModel& fresh);

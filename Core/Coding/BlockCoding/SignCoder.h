@@ -19,7 +19,7 @@ namespace isosurface
 /// sign throughout; by the length of the run.
 using QuietSigns = std::array<AdaptiveBit, 8>;
 
-/// What is learnt about the signs of a block in the profiles default and fast.
+/// What is learnt about the signs of a block.
 struct SignModel
 {
   static constexpr std::size_t NumberOfMixers = 128;
@@ -38,17 +38,6 @@ struct SignModel
   std::array<LogisticMixer, NumberOfMixers> Mixers;
 };
 
-/// The place of a row, and the slices that are decoded.
-struct SignRowPlace
-{
-  const SignSlice& Slice;  ///< decoded up to the row
-  const SignSlice* Below;  ///< the slice before, or null
-  const SignSlice* Below2; ///< the one before that, or null
-  int Y;
-  int SizeX;
-  int SizeY;
-};
-
 /// Codes the sign of a vertex in contexts of decoded signs. After: G. Taubin, "BLIC: bi-level
 /// isosurface compression", IEEE Visualization 2002; here with 13 neighbours and, if mixed, five wider
 /// contexts.
@@ -56,24 +45,21 @@ template <typename Coder, bool Mixed>
 class ContextSigns
 {
 public:
-  using Model = SignModel;
-
   explicit ContextSigns(SignModel& model)
     : Known(model)
   {
   }
 
-  void BeginRow(const SignRowPlace& place)
+  void BeginRow(bool isInFirstSlice)
   {
-    const std::size_t table = place.Below ? 0 : 1;
+    const std::size_t table = isInFirstSlice ? 1 : 0;
     this->Near = this->Known.Near.data() + (table << SignContexts::NumberOfNeighbors);
     this->Mixers = this->Known.Mixers.data() + table * (SignModel::NumberOfMixers / 2);
     this->Contexts.Clear();
   }
 
   /// Codes the sign of vertex x. own: the signs at x - 2 (bit 0) and x - 1.
-  bool CodeVertex(
-    Coder& coder, bool bit, std::uint32_t own, const SignRow&, const SignRowsAround& rows, int x)
+  bool CodeVertex(Coder& coder, bool bit, std::uint32_t own, const SignRowsAround& rows, int x)
   {
     const bool flipped = own >> 1 != 0;
     if (!this->Contexts.Has(x))
@@ -115,13 +101,13 @@ private:
 /**
  * Codes the signs of the vertices of a block, slice after slice, each in the order of rows. Crossed
  * edges, active cells and connectivity follow from them. Long runs of equal signs are coded as a
- * whole, other vertices by `VertexSigns`: ContextSigns or NetworkSigns.
+ * whole, other vertices by ContextSigns.
  */
-template <typename Coder, typename VertexSigns>
+template <typename Coder, bool Mixed>
 class SignCoder
 {
 public:
-  SignCoder(Coder& coder, typename VertexSigns::Model& model, int sizeX, int sizeY)
+  SignCoder(Coder& coder, SignModel& model, int sizeX, int sizeY)
     : Vertices(model)
     , Quiet(model.Quiet)
     , Output(coder)
@@ -145,7 +131,7 @@ public:
     {
       this->FindRows(slice, below, below2, y);
       SignRow row = slice.At(y);
-      this->Vertices.BeginRow({ slice, below, below2, y, this->SizeX, this->SizeY });
+      this->Vertices.BeginRow(!below);
       this->CodeRow(row);
       row.SpreadEnds(this->SizeX);
       slice.At(y) = row;
@@ -217,8 +203,7 @@ private:
       }
       else
       {
-        const bool bit =
-          this->Vertices.CodeVertex(coder, row.Get(x), before, coded, this->Around, x);
+        const bool bit = this->Vertices.CodeVertex(coder, row.Get(x), before, this->Around, x);
         coded.Words[static_cast<unsigned>(x + SignRow::Margin) / 64] |= std::uint64_t{ bit }
           << (static_cast<unsigned>(x + SignRow::Margin) % 64);
         before = before >> 1 | (bit ? 2U : 0U);
@@ -278,7 +263,7 @@ private:
     return 128;
   }
 
-  VertexSigns Vertices;
+  ContextSigns<Coder, Mixed> Vertices;
   QuietSigns& Quiet;
   Coder& Output;
   int SizeX;

@@ -7,12 +7,12 @@ namespace isosurface
 namespace
 {
 
-template <typename Coder, typename VertexSigns>
+template <typename Coder, bool Mixed>
 class SignLayerOf : public SignLayer
 {
 public:
-  SignLayerOf(Coder& coder, typename VertexSigns::Model& model, const BlockContent& content,
-    CoderInstructions instructions)
+  SignLayerOf(
+    Coder& coder, SignModel& model, const BlockContent& content, CoderInstructions instructions)
     : Signs(coder, model, content.Size[0], content.Size[1])
     , Instructions(instructions)
   {
@@ -23,7 +23,7 @@ public:
   }
 
 private:
-  SignCoder<Coder, VertexSigns> Signs;
+  SignCoder<Coder, Mixed> Signs;
   CoderInstructions Instructions;
 };
 
@@ -33,18 +33,11 @@ template <typename Coder>
 std::unique_ptr<SignLayer> MakeSignLayer(
   Coder& coder, BlockModel& model, const BlockContent& content, CoderInstructions instructions)
 {
-  switch (model.Profile)
+  if (model.Profile == EdgeIndexProfile::Small)
   {
-    case EdgeIndexProfile::Compact:
-      return std::make_unique<SignLayerOf<Coder, NetworkSigns<Coder>>>(
-        coder, model.NetworkSigns, content, instructions);
-    case EdgeIndexProfile::Fast:
-      return std::make_unique<SignLayerOf<Coder, ContextSigns<Coder, false>>>(
-        coder, model.Signs, content, instructions);
-    default:
-      return std::make_unique<SignLayerOf<Coder, ContextSigns<Coder, true>>>(
-        coder, model.Signs, content, instructions);
+    return std::make_unique<SignLayerOf<Coder, true>>(coder, model.Signs, content, instructions);
   }
+  return std::make_unique<SignLayerOf<Coder, false>>(coder, model.Signs, content, instructions);
 }
 
 template std::unique_ptr<SignLayer> MakeSignLayer(

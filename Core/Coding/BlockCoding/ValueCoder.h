@@ -2,12 +2,10 @@
 #ifndef isosurface_ValueCoder_h
 #define isosurface_ValueCoder_h
 
-#include "Coding/BlockCoding/EdgeIndexProfile.h"
 #include "Coding/BlockCoding/RelevantVertices.h"
 #include "Coding/BlockCoding/ResidualCoder.h"
 #include "Coding/BlockCoding/ValueDomain.h"
 #include "Coding/BlockCoding/ValueFilter.h"
-#include "Coding/BlockCoding/ValueFit.h"
 #include "Coding/BlockCoding/ValueModel.h"
 #include "Coding/Prediction/SignRows.h"
 
@@ -16,7 +14,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <type_traits>
 
 namespace isosurface
 {
@@ -24,12 +21,11 @@ namespace isosurface
 /**
  * Codes values at the relevant vertices of a block, slice after slice, each in the order of rows.
  *
- * A value is predicted from the heights of decoded neighbours by ValueFilter, or by ValueFit in the
- * profile compact; the difference is coded. Vertices that are not relevant have no value. Instead
- * they get a predicted height, if they are near relevant ones, or a typical one on their side of the
- * isovalue.
+ * A value is predicted from the heights of decoded neighbours by ValueFilter; the difference is coded.
+ * Vertices that are not relevant have no value. Instead they get a predicted height, if they are near
+ * relevant ones, or a typical one on their side of the isovalue. Used by the profile small.
  */
-template <typename Coder, EdgeIndexProfile Profile>
+template <typename Coder>
 class ValueCoder
 {
 public:
@@ -40,7 +36,7 @@ public:
     , Residuals(coder, model.Residuals)
     , SizeX(sizeX)
     , SizeY(sizeY)
-    , Prediction(model)
+    , Filter(model)
   {
     for (auto& plane : this->Heights)
     {
@@ -54,14 +50,14 @@ public:
   /// Begins the next slice. below, above: the slices beside it, null at the ends of the block.
   void BeginSlice(const SignSlice& signs, const SignSlice* below, const SignSlice* above)
   {
-    FindRelevant(signs, below, above, this->SizeX, this->SizeY, Mixed, this->Vertices);
+    FindRelevant(signs, below, above, this->SizeX, this->SizeY, true, this->Vertices);
     this->Around.Signs = &signs;
     this->Around.Above = above ? above : &signs;
     this->Below = below;
     this->IsLast = !above;
     std::rotate(this->Planes.begin(), this->Planes.begin() + 2, this->Planes.end());
     this->FillHeights();
-    this->Prediction.BeginSlice();
+    this->Filter.BeginSlice();
   }
   const RelevantSlice& GetRelevant() const { return this->Vertices; }
 
@@ -70,7 +66,7 @@ public:
   {
     const auto row = static_cast<std::size_t>(y);
     const SignRow& relevant = this->Vertices.Relevant[row];
-    const SignRow& visited = Mixed ? this->Vertices.Near[row] : relevant;
+    const SignRow& visited = this->Vertices.Near[row];
     if (visited.IsZero())
     {
       return;
@@ -80,7 +76,7 @@ public:
     VisitBits(visited,
       [&](int x)
       {
-        if (!Mixed || relevant.Get(x))
+        if (relevant.Get(x))
         {
           this->CodeVertex(coder, x, codes[x]);
         }
@@ -93,11 +89,9 @@ public:
   }
 
 private:
-  static constexpr bool Mixed = IsMixed(Profile);
   static constexpr std::ptrdiff_t RowStride = ValueSurroundings::RowStride;
   static constexpr std::ptrdiff_t FirstVertex = 2 * RowStride + 8;
   using Plane = std::array<std::int16_t, (MaximumCodedVertices + 4) * RowStride>;
-  using Predictor = std::conditional_t<Profile == EdgeIndexProfile::Compact, ValueFit, ValueFilter>;
 
   // Sets all heights to a typical one on the side of the vertex.
   void FillHeights()
@@ -137,7 +131,6 @@ private:
 
   void BeginRow(int y)
   {
-    this->Around.Y = y;
     const std::ptrdiff_t offset = FirstVertex + y * RowStride;
     for (std::size_t n = 0; n < 3; ++n)
     {
@@ -154,7 +147,7 @@ private:
     this->Backward[1] = y > 0 ? own ^ signs.At(y - 1) : none;
     this->Backward[2] = this->Below ? own ^ this->Below->At(y) : none;
     this->Own = own;
-    this->Prediction.BeginRow();
+    this->Filter.BeginRow();
   }
 
   static unsigned CollectBits(const std::array<SignRow, 3>& edges, int x)
@@ -172,7 +165,7 @@ private:
     this->Around.Inside = this->Own.Get(x);
     this->Around.Crossed = CollectBits(this->Forward, x);
     this->Around.Typical = this->Model.MeanHeight >> 6;
-    return this->Prediction.Predict(this->Around, x);
+    return this->Filter.Predict(this->Around, x);
   }
 
   // Gives a vertex without a value its predicted height.
@@ -253,12 +246,9 @@ private:
     // The room up to the isovalue, compared with what is needed.
     const int spare = std::clamp((MeasureMagnitude(room) - context.Level + 12) / 6, 0, 7);
     context.Sides[0] = static_cast<std::uint32_t>(spare);
-    if constexpr (Mixed)
-    {
-      const std::uint32_t inside = this->Around.Inside ? 64 : 0;
-      context.Sides[0] |= static_cast<std::uint32_t>(quarter) << 3 | inside;
-      this->FindFurtherSides(x, height, inside, context);
-    }
+    const std::uint32_t inside = this->Around.Inside ? 64 : 0;
+    context.Sides[0] |= static_cast<std::uint32_t>(quarter) << 3 | inside;
+    this->FindFurtherSides(x, height, inside, context);
   }
 
   // inside: a bit of all sides.
@@ -289,13 +279,13 @@ private:
   {
     this->Around.Rows[0][x] = static_cast<std::int16_t>(height);
     this->Model.MeanHeight += ((std::abs(height) << 6) - this->Model.MeanHeight) >> 10;
-    this->Prediction.Learn(predicted, height);
+    this->Filter.Learn(predicted, height);
   }
 
   ValueModel& Model;
   const ValueDomain& Domain;
   Coder& Output;
-  ResidualCoder<Coder, Mixed> Residuals;
+  ResidualCoder<Coder, true> Residuals;
   int SizeX;
   int SizeY;
 
@@ -315,7 +305,7 @@ private:
   std::array<SignRow, 3> Backward; ///< crossed edges that end at vertices
 
   ValueSurroundings Around;
-  Predictor Prediction;
+  ValueFilter Filter;
 };
 
 } // namespace isosurface

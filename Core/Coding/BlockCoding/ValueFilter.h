@@ -16,7 +16,7 @@ namespace isosurface
 /**
  * Predicts a height from 14 decoded ones, and the signs, by a linear filter that learns from each
  * value (normalised least mean squares: B. Widrow and M. E. Hoff, "Adaptive switching circuits",
- * 1960; J. Nagumo and A. Noda, 1967). Used by the profiles default and fast.
+ * 1960; J. Nagumo and A. Noda, 1967).
  */
 class ValueFilter
 {

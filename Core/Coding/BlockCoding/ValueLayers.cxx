@@ -7,7 +7,7 @@ namespace isosurface
 namespace
 {
 
-template <typename Coder, EdgeIndexProfile Profile>
+template <typename Coder>
 class ValueLayer : public SliceLayer
 {
 public:
@@ -46,7 +46,7 @@ private:
     }
   }
 
-  ValueCoder<Coder, Profile> Vertices;
+  ValueCoder<Coder> Vertices;
   BlockValues& Values;
   int SizeY;
   CoderInstructions Instructions;
@@ -58,18 +58,7 @@ template <typename Coder>
 std::unique_ptr<SliceLayer> MakeValueLayer(Coder& coder, BlockModel& model,
   const BlockContent& content, BlockValues& values, CoderInstructions instructions)
 {
-  switch (model.Profile)
-  {
-    case EdgeIndexProfile::Compact:
-      return std::make_unique<ValueLayer<Coder, EdgeIndexProfile::Compact>>(
-        coder, model, content, values, instructions);
-    case EdgeIndexProfile::Fast:
-      return std::make_unique<ValueLayer<Coder, EdgeIndexProfile::Fast>>(
-        coder, model, content, values, instructions);
-    default:
-      return std::make_unique<ValueLayer<Coder, EdgeIndexProfile::Default>>(
-        coder, model, content, values, instructions);
-  }
+  return std::make_unique<ValueLayer<Coder>>(coder, model, content, values, instructions);
 }
 
 template std::unique_ptr<SliceLayer> MakeValueLayer(

@@ -21,7 +21,7 @@ struct ValueModel
   static constexpr std::array<std::size_t, NumberOfTaps> InputOrder = { 3, 1, 4, 12, 5, 2, 6, 13, 0,
     11, 7, 9, 10, 8, 14, 15 };
 
-  explicit ValueModel(bool mixed);
+  explicit ValueModel(bool isUsed);
 
   /// Forgets what was learnt since it was like `fresh`.
   void Reset(const ValueModel& fresh);
@@ -41,7 +41,6 @@ struct ValueSurroundings
   std::array<std::int16_t*, 3> Rows{};
   const SignSlice* Signs = nullptr; ///< of this slice
   const SignSlice* Above = nullptr; ///< of the next slice; of this one if it is the last
-  int Y = 0;
 
   bool Inside = false;      ///< the vertex
   unsigned Crossed = 0;     ///< bits of the crossed edges that begin at it: x, y, z

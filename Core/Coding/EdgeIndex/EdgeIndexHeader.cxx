@@ -182,11 +182,6 @@ CrossingIntervals EdgeIndexHeader::GetIntervals() const
   {
     return {};
   }
-  if (this->Settings.Profile == EdgeIndexProfile::Compact)
-  {
-    constexpr double unit = 2.0 * (1 << CrossingIntervals::UnitBits);
-    return CrossingIntervals::MakeOfWidth(static_cast<std::uint32_t>(spare * unit));
-  }
   return CrossingIntervals::MakeEqual(static_cast<std::uint32_t>(std::ceil(0.5 / spare)));
 }
 
@@ -195,7 +190,7 @@ EdgeIndexHeader EdgeIndexHeader::MakePreview() const
   EdgeIndexHeader header = *this;
   header.Geometry = this->Geometry.Coarsen(this->PreviewLevel);
   header.Settings.Mode = EdgeIndexMode::Bounded;
-  header.Settings.Profile = EdgeIndexProfile::Fast;
+  header.Settings.Profile = EdgeIndexProfile::Preview;
   header.Settings.MaximumError = this->PreviewMaximumError;
   header.PreviewLevel = 0;
   header.Attributes.clear();

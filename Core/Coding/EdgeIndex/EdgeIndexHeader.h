@@ -31,7 +31,7 @@ enum class EdgeIndexMode : std::uint8_t
 struct EdgeIndexSettings
 {
   EdgeIndexMode Mode = EdgeIndexMode::Lossless;
-  EdgeIndexProfile Profile = EdgeIndexProfile::Default;
+  EdgeIndexProfile Profile = EdgeIndexProfile::Small;
 
   /// Bounded and Smallest: the maximum shift of a point along its edge, in lengths of the edge,
   /// including the rounding of its structured coordinate to float. Above 0, at most 0.5.
@@ -91,7 +91,7 @@ struct EdgeIndexHeader
   std::uint64_t NumberOfBlocks = 0;
 
   /// If not 0 (at most 6), the stream also has a preview: the surface of every 2^PreviewLevel-th
-  /// vertex, bounded by PreviewMaximumError in edges of that coarse grid, in the profile fast.
+  /// vertex, bounded by PreviewMaximumError in edges of that coarse grid.
   /// Blocks that do not begin at such a vertex are missing from it.
   int PreviewLevel = 0;
   double PreviewMaximumError = 0.05;

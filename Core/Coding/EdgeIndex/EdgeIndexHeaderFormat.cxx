@@ -92,7 +92,7 @@ public:
 
   Status Parse(EdgeIndexHeader& header)
   {
-    this->ReadSettings(header);
+    ISOSURFACE_RETURN_IF_ERROR(this->ReadSettings(header));
     this->ReadGrid(header.Geometry);
     this->ReadProvenance(header);
     if (this->FormatVersion == PlainVersion && header.Geometry.Unit != LengthUnit::Unknown)
@@ -122,16 +122,26 @@ public:
   }
 
 private:
-  void ReadSettings(EdgeIndexHeader& header)
+  Status ReadSettings(EdgeIndexHeader& header)
   {
     header.Type = this->ReadValueType();
     header.Settings.Mode = this->ReadEnumerator(EdgeIndexMode::Smallest);
-    header.Settings.Profile = this->ReadEnumerator(EdgeIndexProfile::Working);
+    const auto profile = this->Reader.Read<std::uint8_t>();
+    if (profile == 1 || profile == 2)
+    {
+      return { StatusCode::Unsupported,
+        std::string("The edge-index stream has the profile ") +
+          (profile == 1 ? "fast" : "compact") +
+          ", which only ScalableIsosurface 1.0 reads and writes." };
+    }
+    this->IsValid = this->IsValid && (profile == 0 || profile == 3);
+    header.Settings.Profile = static_cast<EdgeIndexProfile>(profile);
     header.Settings.QuantizationBits = this->Reader.Read<std::uint8_t>();
     this->Isovalues = this->Reader.Read<std::uint32_t>();
     header.Settings.MaximumError = this->Reader.Read<double>();
     header.Settings.QuantizationMinimum = this->Reader.Read<double>();
     header.Settings.QuantizationMaximum = this->Reader.Read<double>();
+    return Status::Ok();
   }
 
   void ReadGrid(GridGeometry& geometry)
@@ -300,8 +310,7 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   EdgeIndexHeader header;
   const auto version = LoadLittleEndian<std::uint32_t>(bytes + sizeof(Magic));
   header.RoundsFaces = version > PlainVersion;
-  HeaderParser parser(
-    version, bytes + FieldsOffset, *length - HeaderChecksumSize - FieldsOffset);
+  HeaderParser parser(version, bytes + FieldsOffset, *length - HeaderChecksumSize - FieldsOffset);
   ISOSURFACE_RETURN_IF_ERROR(parser.Parse(header));
   const Status valid = header.Check();
   if (!valid.IsOk())

@@ -32,6 +32,18 @@ std::int32_t WeighSign(int q)
   return std::max(1, 12 * WeightUnit / (100 * (12 + 10 * q)));
 }
 
+// step: the offset of the vertex from the first vertex of the edge.
+std::int32_t WeighVertex(int axis, const std::array<int, 3>& step)
+{
+  int quarters = 0;
+  for (int n = 0; n < 3; ++n)
+  {
+    const int halves = 2 * step[static_cast<std::size_t>(n)] - (n == axis ? 1 : 0);
+    quarters += halves * halves;
+  }
+  return WeighSign(quarters);
+}
+
 } // namespace
 
 const CrossingFit& CrossingFit::Get()
@@ -91,17 +103,6 @@ void CrossingFit::MakeNeighbors(int axis)
       }
     }
   }
-}
-
-std::int32_t CrossingFit::WeighVertex(int axis, const std::array<int, 3>& step)
-{
-  int quarters = 0;
-  for (int n = 0; n < 3; ++n)
-  {
-    const int halves = 2 * step[static_cast<std::size_t>(n)] - (n == axis ? 1 : 0);
-    quarters += halves * halves;
-  }
-  return WeighSign(quarters);
 }
 
 void CrossingFit::MakeSigns(int axis)

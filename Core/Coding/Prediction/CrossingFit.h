@@ -65,15 +65,6 @@ public:
   Result PredictParallel(
     int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes) const;
 
-  /// Calls functor(point, weight, later) for the crossings nearby. point: relative to the middle of
-  /// the edge, in Units; later: whether the crossing is not decoded yet.
-  template <typename Functor>
-  void VisitNeighbors(int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes,
-    const Functor& functor) const;
-
-  /// The weight of a vertex, given its offset from the first vertex of the edge.
-  static std::int32_t WeighVertex(int axis, const std::array<int, 3>& step);
-
 private:
   // An edge nearby: its first vertex relative to the middle of the predicted edge, in Units.
   struct Neighbor
@@ -106,6 +97,11 @@ private:
   };
 
   CrossingFit();
+  // Calls functor(point, weight, later) for the crossings nearby. point: relative to the middle of
+  // the edge, in Units; later: whether the crossing is not decoded yet.
+  template <typename Functor>
+  void VisitNeighbors(int axis, int x, int y, std::ptrdiff_t at, const CrossingPlanes& planes,
+    const Functor& functor) const;
   void MakeNeighbors(int axis);
   void MakeSigns(int axis);
   // The equations without the mean of the points: three unknowns, the slopes.

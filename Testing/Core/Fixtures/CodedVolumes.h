@@ -57,8 +57,7 @@ void Displace(SampleVolume<T>& volume)
   volume.Geometry.Spacing = { 0.5, 1.25, 2 };
 }
 
-constexpr EdgeIndexProfile AllProfiles[] = { EdgeIndexProfile::Default, EdgeIndexProfile::Fast,
-  EdgeIndexProfile::Compact, EdgeIndexProfile::Working };
+constexpr EdgeIndexProfile AllProfiles[] = { EdgeIndexProfile::Small, EdgeIndexProfile::Working };
 
 template <typename T>
 EdgeIndexHeader MakeHeader(const SampleVolume<T>& volume, const std::vector<double>& isovalues,

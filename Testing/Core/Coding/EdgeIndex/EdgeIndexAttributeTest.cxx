@@ -38,7 +38,7 @@ TEST(EdgeIndexAttributes, AreBitwiseEqualInEveryMode)
   for (const EdgeIndexMode mode :
     { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
   {
-    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+    for (const EdgeIndexProfile profile : { EdgeIndexProfile::Small, EdgeIndexProfile::Working })
     {
       const Surface decoded = EncodeAndDecode(
         MakeAttributedHeader(volume, isovalues, mode, profile, 0), source, request, 2);
@@ -67,7 +67,7 @@ TEST(EdgeIndexAttributes, BoundedOnesStayWithinTheirErrorAndExceptionsAreKept)
     {
       const auto bytes =
         Require(EncodeSurface(MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless,
-                                EdgeIndexProfile::Fast, error),
+                                EdgeIndexProfile::Working, error),
           source, 1));
       const auto decoded = Require(DecodeSurface(bytes.data(), bytes.size(), request, 1));
       const auto& exact = expected->Attributes[1].Bytes;
@@ -107,7 +107,7 @@ TEST(EdgeIndexAttributes, NormalsAreDecodedOnlyIfRequested)
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   AttributedSource source(volume, 16, false);
   const auto bytes = Require(EncodeSurface(
-    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
+    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working, 0),
     source, 1));
   const auto decoded =
     Require(DecodeSurface(bytes.data(), bytes.size(), MakeRequest({ 120.5 }), 1));
@@ -126,7 +126,7 @@ TEST(EdgeIndexAttributes, PointsMergedAtAVertexHaveTheTuplesOfTheirEdges)
   const auto expected = Require(ExtractSurface(volume.Geometry, source, request, 1));
   ASSERT_LT(expected.NumberOfPoints, all.NumberOfPoints);
   const auto bytes = Require(EncodeSurface(
-    MakeAttributedHeader(volume, { 120 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
+    MakeAttributedHeader(volume, { 120 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working, 0),
     source, 1));
   const auto decoded = Require(DecodeSurface(bytes.data(), bytes.size(), request, 2));
   ExpectSamePoints(expected, decoded);
@@ -157,7 +157,7 @@ TEST(EdgeIndexAttributes, AreRefusedOnClosedSidesOfTheGrid)
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   AttributedSource source(volume, 16, false);
   const auto bytes = Require(EncodeSurface(
-    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0),
+    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working, 0),
     source, 1));
   ContourRequest request = MakeRequest({ 120.5 });
   request.ClosedSides = GridSides::All();
@@ -170,7 +170,7 @@ TEST(EdgeIndexAttributes, ArraysThatDoNotMatchTheHeaderAreRefused)
   const auto volume = MakeWaves<std::uint8_t>({ 20, 20, 20 }, 0.3);
   TestBlockSource<std::uint8_t> without(volume, 16);
   EdgeIndexHeader header =
-    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, 0);
+    MakeAttributedHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working, 0);
   EXPECT_EQ(EncodeSurface(header, without, 1).GetStatus().GetCode(), StatusCode::InvalidArgument);
   header.Attributes[0].Type = ValueType::Int16; // of samples, not of points
   EXPECT_EQ(header.Check().GetCode(), StatusCode::InvalidArgument);

@@ -158,7 +158,7 @@ TEST(EdgeIndexBounded, SmallestIsNotLargerThanEither)
     const auto volume = MakeWaves<std::uint8_t>({ 60, 60, 60 }, noise);
     TestBlockSource<std::uint8_t> source(volume, 32);
     EdgeIndexHeader header =
-      MakeHeader(volume, { 100.5 }, EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+      MakeHeader(volume, { 100.5 }, EdgeIndexMode::Smallest, EdgeIndexProfile::Small);
     for (const double error : { 0.1, 0.001 })
     {
       header.Settings.MaximumError = error;

@@ -34,7 +34,7 @@ bool Decodes(const std::vector<std::uint8_t>& bytes)
 
 TEST(EdgeIndexCorruption, EveryFlippedByteIsFound)
 {
-  for (const auto profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Working })
+  for (const auto profile : { EdgeIndexProfile::Small, EdgeIndexProfile::Working })
   {
     const std::vector<std::uint8_t> good = EncodeSmall(EdgeIndexMode::Lossless, profile);
     ASSERT_TRUE(Decodes(good));
@@ -51,7 +51,7 @@ TEST(EdgeIndexCorruption, EveryFlippedByteIsFound)
 
 TEST(EdgeIndexCorruption, EveryCutIsFoundUnlessItLeavesWholeBlocks)
 {
-  for (const auto profile : { EdgeIndexProfile::Fast, EdgeIndexProfile::Working })
+  for (const auto profile : { EdgeIndexProfile::Small, EdgeIndexProfile::Working })
   {
     const std::vector<std::uint8_t> good = EncodeSmall(EdgeIndexMode::Bounded, profile);
     int decoded = 0;
@@ -122,7 +122,7 @@ TEST(EdgeIndexCorruption, ACodeOfTheProfileWorkingThatIsCutOffOrGoesOnIsCorrupt)
 TEST(EdgeIndexCorruption, NormalsThatAreNotInTheStreamAreRefused)
 {
   const std::vector<std::uint8_t> good =
-    EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
   ContourRequest request;
   request.Normals = true;
   EXPECT_EQ(DecodeSurface(good.data(), good.size(), request, 1).GetStatus().GetCode(),
@@ -131,7 +131,7 @@ TEST(EdgeIndexCorruption, NormalsThatAreNotInTheStreamAreRefused)
 
 TEST(EdgeIndexCorruption, AProfileThatTheFormatDoesNotHaveIsCorrupt)
 {
-  std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+  std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
   std::size_t size = 0;
   ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
   bytes[18] = 4;
@@ -142,7 +142,7 @@ TEST(EdgeIndexCorruption, AProfileThatTheFormatDoesNotHaveIsCorrupt)
 
 TEST(EdgeIndexCorruption, AUnitThatTheVersionDoesNotHaveIsCorrupt)
 {
-  std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+  std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
   std::size_t size = 0;
   ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size).IsOk());
   const std::size_t header = size;
@@ -163,8 +163,7 @@ TEST(EdgeIndexCorruption, OtherVersionsAreUnsupported)
 {
   for (const std::uint8_t version : { 0, 3, 4, 255 })
   {
-    std::vector<std::uint8_t> bytes =
-      EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
     ASSERT_EQ(bytes[8], 1);
     bytes[8] = version;
     const Status status = DecodeSurface(bytes.data(), bytes.size(), {}, 1).GetStatus();

@@ -31,7 +31,7 @@ template <typename T>
 EdgeIndexHeader MakeFileHeader(const SampleVolume<T>& volume, const std::vector<double>& isovalues,
   EdgeIndexMode mode = EdgeIndexMode::Lossless)
 {
-  EdgeIndexHeader header = MakeHeader(volume, isovalues, mode, EdgeIndexProfile::Fast);
+  EdgeIndexHeader header = MakeHeader(volume, isovalues, mode, EdgeIndexProfile::Working);
   header.Array = "density";
   header.Source = "a test's volume";
   header.Time = 2.5;
@@ -334,25 +334,25 @@ TEST(EdgeIndexFile, ThePreviewIsTheSurfaceOfEveryFourthVertex)
   EXPECT_LT(static_cast<double>(disk.GetFile(Path).size()),
     1.25 *
       static_cast<double>(EncodeSurface(
-        MakeHeader(volume, { 120.5, 90 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast),
+        MakeHeader(volume, { 120.5, 90 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working),
         *std::make_unique<TestBlockSource<std::uint8_t>>(volume, 32), 1)
                             ->size()));
 }
 
-TEST(EdgeIndexFile, ThePreviewIsCodedInTheProfileFastInAllProfiles)
+TEST(EdgeIndexFile, ThePreviewIsTheSameInAllProfiles)
 {
   const auto volume = MakeWaves<std::uint8_t>({ 65, 65, 65 }, 0.2);
   EdgeIndexHeader header = MakeFileHeader(volume, { 120.5, 150 });
   std::array<MemoryDisk::Bytes, 2> previews;
   std::array<MemoryDisk::Bytes, 2> surfaces;
-  for (const auto profile : { EdgeIndexProfile::Default, EdgeIndexProfile::Fast })
+  for (const auto profile : { EdgeIndexProfile::Small, EdgeIndexProfile::Working })
   {
     header.Settings.Profile = profile;
     MemoryDisk disk;
     WriteFile(disk, header, volume, 32);
     const auto file = OpenFile(disk);
     EXPECT_TRUE(file->Verify(1).IsOk());
-    const std::size_t n = profile == EdgeIndexProfile::Fast ? 1 : 0;
+    const std::size_t n = profile == EdgeIndexProfile::Working ? 1 : 0;
     for (std::size_t entry = 0; entry < file->GetEntries().size(); ++entry)
     {
       std::vector<std::uint8_t> record;

@@ -58,7 +58,7 @@ EdgeIndexHeader MakeGoldenHeader(EdgeIndexMode mode, EdgeIndexProfile profile)
 
 std::vector<std::uint8_t> ReadGolden(const std::string& name)
 {
-  std::ifstream stream(ISOSURFACE_TEST_DATA "/edge-index/" + name, std::ios::binary);
+  std::ifstream stream(ISOSURFACE_TEST_DATA "/" + name, std::ios::binary);
   return { std::istreambuf_iterator<char>(stream), {} };
 }
 
@@ -108,7 +108,7 @@ template <typename T>
 void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile profile,
   bool normals = false, bool roundsFaces = false, LengthUnit unit = LengthUnit::Unknown)
 {
-  const std::vector<std::uint8_t> golden = ReadGolden(name);
+  const std::vector<std::uint8_t> golden = ReadGolden("edge-index/" + name);
   const SampleVolume<T> volume = MakeGoldenVolume<T>();
   TestBlockSource<T> source(volume, 16);
   MemoryDisk disk;
@@ -136,45 +136,54 @@ void CheckGolden(const std::string& name, EdgeIndexMode mode, EdgeIndexProfile p
 
 TEST(EdgeIndexFilesOfRelease1, LosslessSurfaces)
 {
-  CheckGolden<std::int16_t>(
-    "lossless-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
-  CheckGolden<float>("lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
-  CheckGolden<std::int16_t>(
-    "compact-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
-  CheckGolden<float>("compact-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Compact);
+  CheckGolden<std::int16_t>("lossless-int16.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
+  CheckGolden<float>("lossless-float32.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
 }
 
 TEST(EdgeIndexFilesOfRelease1, BoundedByCrossings)
 {
-  CheckGolden<std::uint16_t>("bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Default);
-  CheckGolden<double>("bounded-fast.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
-  CheckGolden<std::uint16_t>(
-    "compact-bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Compact);
+  CheckGolden<std::uint16_t>("bounded.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Small);
+  CheckGolden<double>("bounded-working.eix", EdgeIndexMode::Bounded, EdgeIndexProfile::Working);
 }
 
 TEST(EdgeIndexFilesOfRelease1, QuantizedValues)
 {
-  CheckGolden<std::int32_t>("quantized.eix", EdgeIndexMode::Quantized, EdgeIndexProfile::Default);
+  CheckGolden<std::int32_t>("quantized.eix", EdgeIndexMode::Quantized, EdgeIndexProfile::Small);
 }
 
 TEST(EdgeIndexFilesOfRelease1, SmallestOfBothModes)
 {
-  CheckGolden<double>("smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+  CheckGolden<double>("smallest.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Small);
 }
 
 TEST(EdgeIndexFilesOfVersion2, SmallestWithRoundedFaces)
 {
   CheckGolden<double>(
-    "smallest-2.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Default, false, true);
+    "smallest-2.eix", EdgeIndexMode::Smallest, EdgeIndexProfile::Small, false, true);
 }
 
 TEST(EdgeIndexFilesOfRelease1, PointAttributes)
 {
-  CheckGolden<std::uint16_t>("normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, true);
+  CheckGolden<std::uint16_t>("normals.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Small, true);
 }
 
 TEST(EdgeIndexFilesOfVersion2, TellTheUnitOfLength)
 {
-  CheckGolden<std::int16_t>("unit.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Fast, false,
+  CheckGolden<std::int16_t>("unit.eix", EdgeIndexMode::Lossless, EdgeIndexProfile::Small, false,
     true, LengthUnit::Micrometer);
+}
+
+TEST(EdgeIndexFilesOfRelease1, ProfilesThatOnlyItHasAreRefusedByName)
+{
+  for (const auto& [name, profile] :
+    { std::pair("bounded-fast.eix", "fast"), std::pair("compact-bounded.eix", "compact") })
+  {
+    const std::vector<std::uint8_t> golden = ReadGolden(std::string("edge-index-refused/") + name);
+    MemoryDisk disk;
+    const auto file = disk.CreateForWriting(GoldenPath);
+    ASSERT_TRUE(file.IsOk() && (*file)->Append(golden.data(), golden.size()).IsOk());
+    ExpectError(EdgeIndexFile::Open(disk, GoldenPath).GetStatus(), StatusCode::Unsupported,
+      GoldenPath + ": The edge-index stream has the profile " + profile +
+        ", which only ScalableIsosurface 1.0 reads and writes.");
+  }
 }

@@ -87,8 +87,8 @@ TYPED_TEST(EdgeIndexOfType, FewLevelsAndValuesOnTheIsovalueComeBackBitByBit)
 {
   std::mt19937 random(2);
   const auto volume = MakeRandomVolume<TypeParam>(random, { 33, 18, 35 }, 4);
-  ExpectLossless(volume, { 1.0 }, 16, EdgeIndexProfile::Default);
-  ExpectLossless(volume, { 1.0 }, 32, EdgeIndexProfile::Fast);
+  ExpectLossless(volume, { 1.0 }, 16, EdgeIndexProfile::Small);
+  ExpectLossless(volume, { 1.0 }, 32, EdgeIndexProfile::Working);
 }
 
 TEST(EdgeIndex, EveryBlockSizeGivesTheExtractedSurface)
@@ -107,9 +107,9 @@ TEST(EdgeIndex, TheDecodedSurfaceIsThatOfPlainMarchingCubes)
 {
   const auto volume = MakeWaves<std::int16_t>({ 40, 36, 21 }, 0.1);
   TestBlockSource<std::int16_t> source(volume, 16);
-  const Surface decoded = EncodeAndDecode(
-    MakeHeader(volume, { 99.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Default), source,
-    MakeRequest({}));
+  const Surface decoded =
+    EncodeAndDecode(MakeHeader(volume, { 99.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Small),
+      source, MakeRequest({}));
   PlainSurface plain = ContourPlainly(volume, { 99.5 });
   for (auto& point : plain.Points)
   {
@@ -137,7 +137,7 @@ TEST(EdgeIndex, AnEmptySurfaceIsAHeaderOnly)
   const SampleVolume<float> volume({ 20, 20, 20 });
   TestBlockSource<float> source(volume, 16);
   const EdgeIndexHeader header =
-    MakeHeader(volume, { 1.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    MakeHeader(volume, { 1.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
   const auto bytes = EncodeSurface(header, source, 1);
   std::vector<std::uint8_t> expected;
   header.Append(expected);
@@ -150,7 +150,7 @@ TEST(EdgeIndex, AnEmptySurfaceIsAHeaderOnly)
 TEST(EdgeIndex, SeveralIsovaluesBecomeTheExtractorsParts)
 {
   const auto volume = MakeWaves<std::uint16_t>({ 60, 40, 30 }, 0.1);
-  ExpectLossless(volume, { 30000.5, 33000.25, 64000, 35000 }, 32, EdgeIndexProfile::Default);
+  ExpectLossless(volume, { 30000.5, 33000.25, 64000, 35000 }, 32, EdgeIndexProfile::Small);
 }
 
 TEST(EdgeIndex, WideIndicesOfSeveralIsovaluesEqualNarrowOnes)
@@ -159,7 +159,7 @@ TEST(EdgeIndex, WideIndicesOfSeveralIsovaluesEqualNarrowOnes)
   const std::vector<double> isovalues = { 30000.5, 33000.25, 35000 };
   TestBlockSource<std::uint16_t> source(volume, 16);
   const auto bytes = Require(EncodeSurface(
-    MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast), source, 1));
+    MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, EdgeIndexProfile::Working), source, 1));
   ContourRequest request = MakeRequest(isovalues);
   request.Offsets = true;
   Result<Surface> narrow = DecodeSurface(bytes.data(), bytes.size(), request, 1);
@@ -190,9 +190,9 @@ TEST(EdgeIndex, LeavingOutBlocksDoesNotChangeTheOthers)
   source.Blocks = { 17, 3, 0, 22, 8, 9 };
   const ContourRequest request = MakeRequest({ 120.5 });
   const auto expected = ExtractSurface(volume.Geometry, source, request, 1);
-  const Surface decoded =
-    EncodeAndDecode(MakeHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast),
-      source, request);
+  const Surface decoded = EncodeAndDecode(
+    MakeHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working), source,
+    request);
   ExpectSamePoints(*expected, decoded);
 }
 
@@ -201,7 +201,7 @@ TEST(EdgeIndex, ThreadsChangeNeitherBytesNorSurface)
   const auto volume = MakeWaves<std::int16_t>({ 100, 40, 35 }, 0.2);
   TestBlockSource<std::int16_t> source(volume, 32);
   const EdgeIndexHeader header =
-    MakeHeader(volume, { 10.5, 4000 }, EdgeIndexMode::Smallest, EdgeIndexProfile::Default);
+    MakeHeader(volume, { 10.5, 4000 }, EdgeIndexMode::Smallest, EdgeIndexProfile::Small);
   const auto one = EncodeSurface(header, source, 1);
   const auto four = EncodeSurface(header, source, 4);
   ASSERT_TRUE(one.IsOk() && four.IsOk());
@@ -258,7 +258,7 @@ TEST(EdgeIndex, QuantizedValuesKeepTheTopologyAndConverge)
   }
 }
 
-TEST(EdgeIndex, TheProfileWorkingGivesTheBytesOfTheDefaultProfileOnAnyNumberOfThreads)
+TEST(EdgeIndex, BothProfilesGiveTheSamePointsOnAnyNumberOfThreads)
 {
   auto volume = MakeWaves<float>({ 70, 50, 40 }, 0.1);
   TestBlockSource<float> source(volume, 16);
@@ -266,7 +266,7 @@ TEST(EdgeIndex, TheProfileWorkingGivesTheBytesOfTheDefaultProfileOnAnyNumberOfTh
   for (const EdgeIndexMode mode :
     { EdgeIndexMode::Lossless, EdgeIndexMode::Bounded, EdgeIndexMode::Quantized })
   {
-    EdgeIndexHeader header = MakeHeader(volume, request.Isovalues, mode, EdgeIndexProfile::Default);
+    EdgeIndexHeader header = MakeHeader(volume, request.Isovalues, mode, EdgeIndexProfile::Small);
     header.Settings.QuantizationMinimum = -1;
     header.Settings.QuantizationMaximum = 1;
     const Surface expected = EncodeAndDecode(header, source, request);
@@ -318,7 +318,7 @@ TEST(EdgeIndex, InvalidBlocksAreRefused)
   const auto volume = MakeWaves<float>({ 20, 20, 20 }, 0);
   TestBlockSource<float> source(volume, 16);
   EdgeIndexHeader header =
-    MakeHeader(volume, { 0.0 }, EdgeIndexMode::Bounded, EdgeIndexProfile::Default);
+    MakeHeader(volume, { 0.0 }, EdgeIndexMode::Bounded, EdgeIndexProfile::Small);
   for (const double error : { 0.0, -1.0, 0.6, 1e-9, std::nan("") })
   {
     header.Settings.MaximumError = error;
@@ -340,7 +340,7 @@ TEST(EdgeIndex, TheFirstBlockIsDecodedBeforeAHundredthIsEncoded)
   const auto volume = MakeWaves<std::uint8_t>({ 81, 81, 81 }, 0.3);
   TestBlockSource<std::uint8_t> source(volume, 8);
   const EdgeIndexHeader header =
-    MakeHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Default);
+    MakeHeader(volume, { 120.5 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
   EdgeIndexEncoder encoder(header);
   std::vector<std::uint8_t> bytes;
   std::size_t block = 0;

@@ -89,7 +89,7 @@ class Writing
 public:
   Writing()
     : Volume(MakeWaves<T>({ 70, 40, 34 }, 0.2))
-    , Header(MakeHeader(Volume, { 120.5, 150 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast))
+    , Header(MakeHeader(Volume, { 120.5, 150 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working))
   {
     this->Header.PreviewLevel = 1;
   }
@@ -159,7 +159,7 @@ TEST(EdgeIndexWriteJob, PreviewsAreWhereASingleWriterPutsThem)
   Writing<float> writing;
   writing.Volume = MakeWaves<float>({ 145, 145, 145 }, 1.5);
   writing.Header = MakeHeader(
-    writing.Volume, { -0.1, 0, 0.1, 0.2 }, EdgeIndexMode::Bounded, EdgeIndexProfile::Fast);
+    writing.Volume, { -0.1, 0, 0.1, 0.2 }, EdgeIndexMode::Bounded, EdgeIndexProfile::Working);
   writing.Header.Settings.MaximumError = 0.5;
   writing.Header.PreviewLevel = 1;
   writing.Header.PreviewMaximumError = 0.00002;

@@ -43,7 +43,7 @@ const SampleVolume<std::uint8_t>& GetVolume()
 
 EdgeIndexHeader MakeVolumeHeader(EdgeIndexMode mode, bool normals = false)
 {
-  EdgeIndexHeader header = MakeHeader(GetVolume(), Isovalues, mode, EdgeIndexProfile::Fast);
+  EdgeIndexHeader header = MakeHeader(GetVolume(), Isovalues, mode, EdgeIndexProfile::Working);
   header.Settings.MaximumError = 0.05;
   if (normals)
   {

@@ -209,7 +209,7 @@ TEST(DoublePoints, StreamsDecodeToTheExtractedPoints)
   const ContourRequest request = MakeRequest({ 0.0, 1.0 });
   const Surface extracted = Require(ExtractSurface(volume.Geometry, source, request, 1));
   const Surface decoded = EncodeAndDecode(
-    MakeHeader(volume, { 0.0, 1.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast), source,
+    MakeHeader(volume, { 0.0, 1.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working), source,
     request);
   ExpectSamePoints(extracted, decoded);
   EXPECT_TRUE(decoded.HasDoublePoints);

@@ -167,7 +167,7 @@ TEST(LeftHandedGrids, StreamsDecodeToTheExtractedCornersAndNormals)
     TestBlockSource<float> source(volume, 8, 1);
     const Surface extracted = Require(ExtractSurface(volume.Geometry, source, request, 1));
     EdgeIndexHeader header =
-      MakeHeader(volume, { 0.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Fast);
+      MakeHeader(volume, { 0.0 }, EdgeIndexMode::Lossless, EdgeIndexProfile::Working);
     EdgeIndexAttribute normals;
     normals.NumberOfComponents = 3;
     normals.IsNormals = true;
