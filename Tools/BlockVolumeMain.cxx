@@ -28,11 +28,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <iterator>
 #include <new>
 #include <string>
-#include <system_error>
 
 using namespace isosurface;
 
@@ -47,7 +45,7 @@ Status Run(const Result<BlockVolumeOptions>& options, Communicator& ranks)
   if (options->IsSandboxed && ranks.GetSize() > 1)
   {
     return Status(StatusCode::InvalidArgument,
-      "--sandbox: ranks need the network, which it denies; one process takes all cores, too");
+      "--sandbox: ranks share one job, which a crash ends; one process takes all cores, too");
   }
   if (options->What == Command::Write)
   {
@@ -144,18 +142,6 @@ int RunAndTell(const Result<BlockVolumeOptions>& options, vtkMultiProcessControl
   }
 }
 
-/// The folder where a path is or, if there is none yet, the one where that is made.
-std::string FindFolder(const std::string& path)
-{
-  std::error_code error;
-  std::filesystem::path folder = std::filesystem::absolute(path, error).parent_path();
-  while (!std::filesystem::is_directory(folder, error) && folder.has_relative_path())
-  {
-    folder = folder.parent_path();
-  }
-  return folder.string();
-}
-
 /// Runs the command in a process with limits, and removes what that one left if it could not.
 int RunInSandboxAndTell(const Result<BlockVolumeOptions>& options)
 {
@@ -168,11 +154,8 @@ int RunInSandboxAndTell(const Result<BlockVolumeOptions>& options)
   // A tenth of the disk stays free. Messages may go to a file, wherever that is.
   constexpr std::uint64_t messages = std::uint64_t{ 1 } << 24;
   limits.FileBytes = std::max(files.FindFreeBytes(path).value_or(0) / 10 * 9, messages);
-  if (options->What != Command::Info && options->What != Command::List &&
-    options->What != Command::Verify)
-  {
-    limits.Folder = FindFolder(path);
-  }
+  const bool isWriting = options->What != Command::Info && options->What != Command::List &&
+    options->What != Command::Verify;
   const auto ended = RunInSandbox(limits,
     [&](const Status& limited)
     { return limited.IsOk() ? RunAndTell(options, nullptr) : Finish(limited, 0); });
@@ -180,7 +163,7 @@ int RunInSandboxAndTell(const Result<BlockVolumeOptions>& options)
                                 : Finish(Status(ended.GetStatus().GetCode(),
                                            options->Input + ": " + ended.GetStatus().GetMessage()),
                                     0);
-  if (code != 0 && !limits.Folder.empty())
+  if (code != 0 && isWriting)
   {
     GenerationFolder::RemoveUnfinished(files, path);
   }

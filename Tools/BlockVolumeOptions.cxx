@@ -233,7 +233,7 @@ void AddSandboxOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
   CLI::Option* sandbox = app.add_flag("--sandbox", options.IsSandboxed,
     "Work in a process of its own, with limits: what crashes a library that reads IN, loops or "
     "takes\n"
-    "all memory is an error; nothing else is reached. One process, no mpirun");
+    "all memory is an error. One process, no mpirun");
   app
     .add_option("--sandbox-memory", texts.SandboxMebibytes,
       "MiB of address space of that process, besides --memory")

@@ -4,26 +4,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
-#include <system_error>
-#include <vector>
 
-#include <fcntl.h>
-#include <linux/audit.h>
-#include <linux/filter.h>
-#include <linux/landlock.h>
-#include <linux/seccomp.h>
-#include <sched.h>
-#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -40,161 +28,6 @@ Status MakeSystemError(const char* what)
   return Status(StatusCode::Unsupported,
     std::string("this system offers no sandbox: ") + what + ": " + std::strerror(errno));
 }
-
-// --- System calls ---------------------------------------------------------------------------------
-
-#if defined(__x86_64__)
-constexpr std::uint32_t Processor = AUDIT_ARCH_X86_64;
-#elif defined(__aarch64__)
-constexpr std::uint32_t Processor = AUDIT_ARCH_AARCH64;
-#elif defined(__riscv) && __riscv_xlen == 64
-constexpr std::uint32_t Processor = AUDIT_ARCH_RISCV64;
-#elif defined(__powerpc64__) && defined(__LITTLE_ENDIAN__)
-constexpr std::uint32_t Processor = AUDIT_ARCH_PPC64LE;
-#else
-constexpr std::uint32_t Processor = 0;
-#endif
-
-/// What no library needs to decode a file.
-constexpr int RefusedCalls[] = {
-  // The network; io_uring reaches it past this filter.
-  SYS_socket, SYS_socketpair, SYS_io_uring_setup,
-  // Programs and other processes.
-  SYS_execve, SYS_execveat, SYS_ptrace, SYS_process_vm_readv, SYS_process_vm_writev, SYS_pidfd_open,
-  SYS_pidfd_getfd, SYS_pidfd_send_signal, SYS_tkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo,
-#ifdef SYS_fork
-  SYS_fork, SYS_vfork,
-#endif
-  // The kernel, and what it keeps for all.
-  SYS_add_key, SYS_keyctl, SYS_request_key, SYS_bpf, SYS_perf_event_open, SYS_userfaultfd,
-  SYS_mount, SYS_umount2, SYS_pivot_root, SYS_chroot, SYS_unshare, SYS_setns, SYS_open_by_handle_at,
-  SYS_personality, SYS_init_module, SYS_finit_module, SYS_kexec_load, SYS_reboot
-};
-
-constexpr std::uint32_t FindArgument(std::size_t number)
-{
-  // The lower half, on the processors above.
-  return static_cast<std::uint32_t>(offsetof(seccomp_data, args) + 8 * number);
-}
-
-/// A program of the kernel that lets calls fail which the sandbox refuses.
-class CallFilter
-{
-public:
-  CallFilter()
-  {
-    this->Load(offsetof(seccomp_data, arch));
-    this->RefuseUnless(BPF_JEQ, Processor);
-    this->Load(offsetof(seccomp_data, nr));
-#ifdef __x86_64__
-    // The same calls with other numbers, of x32.
-    this->RefuseIf(BPF_JGE, 0x40000000);
-#endif
-    for (const int call : RefusedCalls)
-    {
-      this->RefuseIf(BPF_JEQ, static_cast<std::uint32_t>(call));
-    }
-    // Threads are made by clone, whose flags can be seen, if there is no clone3.
-    this->Add(BPF_JMP | BPF_JEQ | BPF_K, SYS_clone3, 0, 1);
-    this->Add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | ENOSYS);
-    this->OfCall(SYS_clone, 0, BPF_JSET, CLONE_THREAD, false);
-    const auto self = static_cast<std::uint32_t>(::getpid());
-    this->OfCall(SYS_kill, 0, BPF_JEQ, self, false);
-    this->OfCall(SYS_tgkill, 0, BPF_JEQ, self, false);
-    this->OfCall(SYS_prlimit64, 0, BPF_JEQ, 0, false);
-    // Types text into the terminal.
-    this->OfCall(SYS_ioctl, 1, BPF_JEQ, TIOCSTI, true);
-    this->Add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
-  }
-
-  Status Install()
-  {
-    const sock_fprog program = { static_cast<unsigned short>(this->Steps.size()),
-      this->Steps.data() };
-    return ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0 ? Status::Ok()
-                                                                       : MakeSystemError("seccomp");
-  }
-
-private:
-  void Add(int code, std::uint32_t operand, std::uint8_t ifTrue = 0, std::uint8_t ifFalse = 0)
-  {
-    this->Steps.push_back({ static_cast<std::uint16_t>(code), ifTrue, ifFalse, operand });
-  }
-  void Load(std::size_t place)
-  {
-    this->Add(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(place));
-  }
-  void Refuse()
-  {
-    this->Add(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EPERM);
-  }
-  void RefuseIf(int test, std::uint32_t operand)
-  {
-    this->Add(BPF_JMP | test | BPF_K, operand, 0, 1);
-    this->Refuse();
-  }
-  void RefuseUnless(int test, std::uint32_t operand)
-  {
-    this->Add(BPF_JMP | test | BPF_K, operand, 1, 0);
-    this->Refuse();
-  }
-  /// A call that is refused if a test of its argument has this result.
-  void OfCall(
-    std::uint32_t call, std::size_t argument, int test, std::uint32_t operand, bool isRefused)
-  {
-    this->Add(BPF_JMP | BPF_JEQ | BPF_K, call, 0, 4);
-    this->Load(FindArgument(argument));
-    if (isRefused)
-    {
-      this->RefuseIf(test, operand);
-    }
-    else
-    {
-      this->RefuseUnless(test, operand);
-    }
-    this->Add(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
-  }
-
-  std::vector<sock_filter> Steps;
-};
-
-// --- Files ----------------------------------------------------------------------------------------
-
-/// From now on this process makes, changes and removes files in the folder alone. A kernel without
-/// Landlock leaves it all the rights of its user.
-Status WriteOnlyWithin(const std::string& folder)
-{
-  const long version =
-    ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
-  if (version < 1)
-  {
-    return Status::Ok();
-  }
-  // The headers of Debian 12 do not name the last one.
-  constexpr std::uint64_t refer = LANDLOCK_ACCESS_FS_REFER;
-  constexpr std::uint64_t truncate = std::uint64_t{ 1 } << 14;
-  const std::uint64_t own = LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_REMOVE_DIR |
-    LANDLOCK_ACCESS_FS_REMOVE_FILE | LANDLOCK_ACCESS_FS_MAKE_DIR | LANDLOCK_ACCESS_FS_MAKE_REG |
-    (version >= 2 ? refer : 0) | (version >= 3 ? truncate : 0);
-  landlock_ruleset_attr handled = {};
-  handled.handled_access_fs = own | LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_BLOCK |
-    LANDLOCK_ACCESS_FS_MAKE_FIFO | LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_MAKE_SYM;
-  const auto rules =
-    static_cast<int>(::syscall(SYS_landlock_create_ruleset, &handled, sizeof(handled), 0));
-  bool isDone = rules >= 0;
-  if (isDone && !folder.empty())
-  {
-    landlock_path_beneath_attr rule = {};
-    rule.allowed_access = own;
-    rule.parent_fd = ::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
-    isDone = rule.parent_fd >= 0 &&
-      ::syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
-  }
-  isDone = isDone && ::syscall(SYS_landlock_restrict_self, rules, 0) == 0;
-  return isDone ? Status::Ok() : MakeSystemError("Landlock");
-}
-
-// --- Limits ---------------------------------------------------------------------------------------
 
 Status SetLimit(int resource, std::uint64_t value, const char* name)
 {
@@ -231,21 +64,8 @@ Status TakeLimits(const SandboxLimits& limits)
   ISOSURFACE_RETURN_IF_ERROR(SetLimit(RLIMIT_FSIZE, limits.FileBytes, "file size"));
   ISOSURFACE_RETURN_IF_ERROR(
     SetLimit(RLIMIT_AS, FindAddressSpace() + limits.MemoryBytes, "address space"));
-  ISOSURFACE_RETURN_IF_ERROR(RenewTime(limits.Seconds));
-  if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
-  {
-    return MakeSystemError("no new privileges");
-  }
-  if (Processor == 0)
-  {
-    errno = ENOSYS;
-    return MakeSystemError("a filter of system calls for this processor");
-  }
-  ISOSURFACE_RETURN_IF_ERROR(WriteOnlyWithin(limits.Folder));
-  return CallFilter().Install();
+  return RenewTime(limits.Seconds);
 }
-
-// --- The two processes ----------------------------------------------------------------------------
 
 [[noreturn]] void Work(const SandboxLimits& limits, const std::function<int(const Status&)>& work,
   ::pid_t parent, volatile bool* isDone)

@@ -18,13 +18,11 @@ struct SandboxLimits
   std::uint64_t MemoryBytes = 0; ///< of address space, besides what this process has already
   std::uint64_t FileBytes = 0;   ///< of each file that it writes
   std::uint64_t Seconds = 0;     ///< of processor time, until the progress grows again
-  std::string Folder;            ///< all that it writes is in it; empty: it writes nothing
 };
 
 /**
  * Does the work in a process of its own, a copy of this one, and returns what the work returned. That
- * process has the limits. It reaches no network, starts no program and no process, looks into no other
- * process, and signals none. It writes within the folder alone, if the kernel has Landlock (Linux 5.13).
+ * process has the limits; otherwise it may do what this one may.
  *
  * A stop signal to this process stops the work. If this process ends, so does the other one.
  *

@@ -69,6 +69,22 @@ class TheSameBytes(SourceCase):
                 self.assertEqual(plain[0], 0)
                 self.assertEqual(self.run_tool("--sandbox", *arguments), plain)
 
+    def test_within_bubblewrap(self):
+        os.makedirs(self.path("out"), exist_ok=True)
+        wrapped = ["bwrap", "--ro-bind", "/", "/", "--dev", "/dev", "--bind", self.path("out"), self.path("out"),
+                   "--chdir", self.scratch, "--unshare-all", "--die-with-parent"]
+        if not shutil.which("bwrap") or subprocess.run([*wrapped, "true"], check=False).returncode != 0:
+            self.skipTest("no bwrap, or no user namespaces")
+        write_tiff(self.path("a.tif"), make_samples("uint16"))
+        for path, code in (("out/b.bvol", 0), ("b.bvol", 1)):
+            done = subprocess.run([*wrapped, self.tool, "--sandbox", "--quiet", "a.tif", path], cwd=self.scratch,
+                                  capture_output=True, text=True, timeout=WAIT_SECONDS)
+            self.assertEqual(done.returncode, code, done.stderr)
+        self.assertRegex(done.stderr, r"^blockvolume: [^\n]*[Rr]ead-only[^\n]*\n$")
+        remove_volume(self.path("a.bvol"))
+        self.assertEqual(self.run_tool("--quiet", "a.tif", "a.bvol"), (0, "", ""))
+        self.assert_equal_volumes(self.path("out/b.bvol"), self.path("a.bvol"))
+
 
 class FaultsOfALibraryAreErrors(SourceCase):
     FAULTS = (("crash", "the process that read it crashed (Segmentation fault)"),
@@ -177,7 +193,7 @@ class EndsWithTheProcessThatWaits(SourceCase):
 
     def test_or_is_refused_on_several_ranks(self):
         write_tiff(self.path("a.tif"), make_samples("uint16"))
-        self.assert_error("a.tif", "--sandbox: ranks need the network", arguments=["--sandbox"], ranks=2)
+        self.assert_error("a.tif", "--sandbox: ranks share one job", arguments=["--sandbox"], ranks=2)
         self.assertEqual(self.run_tool("a.tif", "o.bvol", "--sandbox", "--quiet"), (0, "", ""))
 
 
