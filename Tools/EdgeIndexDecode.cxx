@@ -10,7 +10,7 @@
 #include "vtkXMLPolyDataWriter.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Base/PrintableText.h"
@@ -69,7 +69,7 @@ Status WritePolyData(vtkPolyData* surface, const std::string& path)
 Status WriteInOneStep(
   const std::string& path, const std::function<Status(const std::string&)>& write)
 {
-  const std::string partial = EdgeIndexFileWriter::GetPartialPath(path);
+  const std::string partial = GetPartialEdgeIndexPath(path);
   FileSystem& files = GetLocalFileSystem();
   auto lock = LockEdgeIndexFile(files, path);
   ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
@@ -103,7 +103,7 @@ Status CheckOutput(const EdgeIndexOptions& options)
   {
     return { StatusCode::InvalidArgument, "--compress needs OUT.glb" };
   }
-  const std::string partial = EdgeIndexFileWriter::GetPartialPath(path);
+  const std::string partial = GetPartialEdgeIndexPath(path);
   for (const std::string& written : { path, partial, partial + ".faces" })
   {
     ISOSURFACE_RETURN_IF_ERROR(CheckIsOther(written, options.Input));

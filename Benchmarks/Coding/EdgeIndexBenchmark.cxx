@@ -14,8 +14,7 @@
  */
 #include "SurfacePeers.h"
 
-#include "Coding/EdgeIndex/EdgeIndexDecoder.h"
-#include "Coding/EdgeIndex/EdgeIndexEncoder.h"
+#include "Fixtures/EdgeIndexStreams.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
 #include <CLI/CLI.hpp>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Input: flags (1 byte: 1 seals the checksums, 2 asks for normals), an edge-index stream. It is
 // decoded as a whole, and its records one by one, those of the preview as well.
+#include "Fixtures/EdgeIndexStreams.h"
 #include "FuzzTarget.h"
 #include "SealedBytes.h"
-
-#include "Coding/EdgeIndex/EdgeIndexDecoder.h"
 
 using namespace isosurface;
 

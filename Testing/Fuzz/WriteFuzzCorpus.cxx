@@ -7,8 +7,8 @@
 #include "Fixtures/SampleVolume.h"
 #include "Fixtures/TestBlockSource.h"
 
-#include "Coding/EdgeIndex/EdgeIndexEncoder.h"
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#include "Fixtures/EdgeIndexFileWriter.h"
+#include "Fixtures/EdgeIndexStreams.h"
 #include "Ground/Base/Coding.h"
 #include "Storage/Index/ExternalIntervalTreeBuilder.h"
 #include "Storage/Store/BlockStore.h"

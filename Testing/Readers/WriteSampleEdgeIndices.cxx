@@ -4,7 +4,7 @@
 #include "Fixtures/AttributedSource.h"
 #include "Fixtures/CodedVolumes.h"
 
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#include "Fixtures/EdgeIndexFileWriter.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <cstdio>

@@ -4,10 +4,8 @@
 #include "Coding/BlockCoding/BlockCoding.h"
 #include "Coding/BlockCoding/BytePlanes.h"
 #include "Coding/BlockCoding/Quantizer.h"
-#include "Coding/EdgeIndex/IsovalueJoin.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
 #include "Coding/EdgeIndex/SampledBlock.h"
-#include "Ground/Base/WithinMemory.h"
 #include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/ValueKey.h"
 
@@ -329,45 +327,6 @@ Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record
   samples.Attributes = memory->Attributes.GetViews(this->Header, record.Block.Vertices);
   samples.Owner = memory;
   return samples;
-}
-
-namespace
-{
-
-Result<Surface> DecodeWithinMemory(const std::uint8_t* bytes, std::size_t size,
-  const ContourRequest& request, int threads, const Progress& progress)
-{
-  std::size_t used = 0;
-  const Result<EdgeIndexHeader> header = EdgeIndexHeader::Parse(bytes, size, used);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  std::vector<std::vector<EdgeIndexRecord>> records(header->Isovalues.size());
-  for (std::size_t at = used; at < size; at += used)
-  {
-    const Result<EdgeIndexRecord> record =
-      EdgeIndexRecord::Parse(*header, bytes + at, size - at, used);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-    if (!record->Block.IsPreview)
-    {
-      records[record->Block.Isovalue].push_back(*record);
-    }
-  }
-  std::vector<IsovalueSource> sources;
-  sources.reserve(records.size());
-  for (std::vector<EdgeIndexRecord>& blocks : records)
-  {
-    sources.push_back(
-      { sources.size(), std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)) });
-  }
-  return JoinIsovalues(*header, sources, request, threads, progress);
-}
-
-} // namespace
-
-Result<Surface> DecodeSurface(const std::uint8_t* bytes, std::size_t size,
-  const ContourRequest& request, int threads, const Progress& progress)
-{
-  return RunWithinMemory("", "There is not enough memory to decode the isosurface.",
-    [&] { return DecodeWithinMemory(bytes, size, request, threads, progress); });
 }
 
 } // namespace isosurface

@@ -339,21 +339,4 @@ Status EncodeBlocks(const EdgeIndexHeader& header, BlockSource& source, int thre
     [&] { return BatchEncoding(header, source, threads).Run(take, progress); });
 }
 
-Result<std::vector<std::uint8_t>> EncodeSurface(
-  const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress)
-{
-  std::vector<std::uint8_t> bytes;
-  header.Append(bytes);
-  const Status status = EncodeBlocks(
-    header, source, threads,
-    [&bytes](const std::vector<std::uint8_t>& records)
-    {
-      bytes.insert(bytes.end(), records.begin(), records.end());
-      return Status::Ok();
-    },
-    progress);
-  ISOSURFACE_RETURN_IF_ERROR(status);
-  return bytes;
-}
-
 } // namespace isosurface

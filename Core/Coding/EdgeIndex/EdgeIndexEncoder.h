@@ -63,11 +63,6 @@ Status EncodeBlocks(const EdgeIndexHeader& header, BlockSource& source, int thre
   const std::function<Status(const std::vector<std::uint8_t>& records)>& take,
   const Progress& progress = {});
 
-/// The surface of a source as one stream: the header, then the records of EncodeBlocks.
-/// Errors: as EncodeBlocks.
-Result<std::vector<std::uint8_t>> EncodeSurface(
-  const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress = {});
-
 } // namespace isosurface
 
 #endif

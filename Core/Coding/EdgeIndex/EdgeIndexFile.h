@@ -70,7 +70,7 @@ public:
   Result<EdgeIndexRecord> ReadRecord(std::size_t entry, std::vector<std::uint8_t>& bytes) const;
 
   /**
-   * The surface of the selected blocks; see DecodeSurface. GlobalIds are those of the whole surface
+   * The surface of the selected blocks; see JoinIsovalues. GlobalIds are those of the whole surface
    * (for the preview, of its own grid), so that pieces can be joined.
    *
    * Errors: InvalidArgument, Corrupt, IoError, OutOfMemory, Aborted; they name the file. Memory

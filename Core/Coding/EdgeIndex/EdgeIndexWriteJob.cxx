@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
 #include "Ground/Base/Coding.h"
 #include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
@@ -68,7 +67,7 @@ Result<EdgeIndexFileSummary> EdgeIndexWriteJob::Run(const Progress& progress)
     if (this->Lock)
     {
       // Ours. If it cannot be removed, it is not taken for a complete one all the same.
-      static_cast<void>(this->Files.RemoveAll(EdgeIndexFileWriter::GetPartialPath(this->Path)));
+      static_cast<void>(this->Files.RemoveAll(GetPartialEdgeIndexPath(this->Path)));
       this->Lock.reset();
     }
     return status;
@@ -84,7 +83,7 @@ Status EdgeIndexWriteJob::Begin()
   this->Header.NumberOfBlocks = blocks.front();
   this->Header.Append(this->HeaderBytes);
   this->Offset = this->HeaderBytes.size();
-  const std::string partial = EdgeIndexFileWriter::GetPartialPath(this->Path);
+  const std::string partial = GetPartialEdgeIndexPath(this->Path);
   const bool isFirst = this->Ranks.GetRank() == 0;
   const auto open = [&]() -> Status
   {
@@ -294,7 +293,7 @@ Status EdgeIndexWriteJob::WriteRound(std::int64_t end)
   return AgreeWithinMemory(this->Ranks, this->Path, write);
 }
 
-// Does what EdgeIndexFileWriter::Append does, but writes only the own records.
+// Takes records as they stand in the file, but writes only the own ones.
 Status EdgeIndexWriteJob::PlaceBlock(const RoundBlock& block, const std::uint8_t* bytes)
 {
   for (const EdgeIndexEntry& record : block.Records)
@@ -313,7 +312,7 @@ Status EdgeIndexWriteJob::PlaceBlock(const RoundBlock& block, const std::uint8_t
       this->PreviewBytes += record.Size;
     }
     bytes = bytes ? bytes + size : nullptr;
-    if (this->PreviewBytes >= EdgeIndexFileWriter::MaximumPreviewBytes)
+    if (this->PreviewBytes >= MaximumEdgeIndexPreviewBytes)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->FlushPreview());
     }
@@ -394,6 +393,23 @@ Status EdgeIndexWriteJob::Finish()
   this->Ranks.ReduceMaximum(bytes);
   this->Summary.Bytes = bytes.front();
   return Status::Ok();
+}
+
+Result<std::unique_ptr<PathLock>> LockEdgeIndexFile(FileSystem& files, const std::string& path)
+{
+  ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "write"));
+  return files.LockFile(GetPartialEdgeIndexPath(path));
+}
+
+Status PutEdgeIndexFileInPlace(
+  FileSystem& files, const std::string& path, std::unique_ptr<PathLock>& lock)
+{
+  ISOSURFACE_RETURN_IF_ERROR(files.Rename(GetPartialEdgeIndexPath(path), path));
+  lock.reset();
+  const std::size_t slash = path.rfind('/');
+  return files.SyncDirectory(slash == std::string::npos ? "."
+      : slash == 0                                      ? "/"
+                                                        : path.substr(0, slash));
 }
 
 } // namespace isosurface

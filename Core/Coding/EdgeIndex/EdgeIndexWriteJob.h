@@ -22,6 +22,24 @@
 namespace isosurface
 {
 
+/// Records of the preview are written when they reach this size.
+constexpr std::size_t MaximumEdgeIndexPreviewBytes = std::size_t{ 1 } << 20;
+
+/// The name of a file until it is complete.
+inline std::string GetPartialEdgeIndexPath(const std::string& path)
+{
+  return path + ".part";
+}
+
+/// Locks the partial file of `path`, which is the first step of writing. Errors: those of LockFile;
+/// IoError if what is at the path is no regular file.
+Result<std::unique_ptr<PathLock>> LockEdgeIndexFile(FileSystem& files, const std::string& path);
+
+/// Renames a complete file from GetPartialEdgeIndexPath(path) to `path`, durably. Releases the lock as soon as
+/// it is renamed: from then on a partial file is another writer's.
+Status PutEdgeIndexFileInPlace(
+  FileSystem& files, const std::string& path, std::unique_ptr<PathLock>& lock);
+
 /// What was written; the same on all ranks.
 struct EdgeIndexFileSummary
 {
@@ -36,7 +54,7 @@ struct EdgeIndexFileSummary
  * the records up to there, and write their own ones at once. Rank 0 adds the directory.
  *
  * The file has the blocks in the order of their numbers and is, byte for byte, what
- * EdgeIndexFileWriter makes of these records, for any number of ranks. It is renamed when complete; if
+ * a writer on one rank makes of these records, for any number of ranks. It is renamed when complete; if
  * any rank fails, an older file stays. Rank 0 keeps the partial file locked: a second job to the same
  * path fails at once.
  *

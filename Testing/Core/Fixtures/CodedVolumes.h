@@ -2,8 +2,7 @@
 #ifndef isosurface_CodedVolumes_h
 #define isosurface_CodedVolumes_h
 
-#include "Coding/EdgeIndex/EdgeIndexDecoder.h"
-#include "Coding/EdgeIndex/EdgeIndexEncoder.h"
+#include "Fixtures/EdgeIndexStreams.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 

@@ -4,8 +4,8 @@
 #include "Fixtures/MemoryDisk.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
+#include "Fixtures/EdgeIndexFileWriter.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include "Fixtures/MemoryDisk.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#include "Fixtures/EdgeIndexFileWriter.h"
 
 #include <gtest/gtest.h>
 

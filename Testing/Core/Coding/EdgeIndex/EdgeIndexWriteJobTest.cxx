@@ -7,8 +7,8 @@
 #include "Fixtures/ThreadCommunicator.h"
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
+#include "Fixtures/EdgeIndexFileWriter.h"
 
 #include <gtest/gtest.h>
 
@@ -177,8 +177,8 @@ TEST(EdgeIndexWriteJob, PreviewsAreWhereASingleWriterPutsThem)
     changes += entry.Block.IsPreview != wasPreview ? 1 : 0;
     wasPreview = entry.Block.IsPreview;
   }
-  EXPECT_GT(preview, EdgeIndexFileWriter::MaximumPreviewBytes) << "the test is of no use";
-  EXPECT_LE(changes, 2 * static_cast<int>(preview / EdgeIndexFileWriter::MaximumPreviewBytes) + 2);
+  EXPECT_GT(preview, MaximumEdgeIndexPreviewBytes) << "the test is of no use";
+  EXPECT_LE(changes, 2 * static_cast<int>(preview / MaximumEdgeIndexPreviewBytes) + 2);
 }
 
 TEST(EdgeIndexWriteJob, AFailedRankLeavesTheOldFileAndAllRanksReportIt)

@@ -1,13 +1,67 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Coding/EdgeIndex/EdgeIndexFileWriter.h"
+#ifndef isosurface_EdgeIndexFileWriter_h
+#define isosurface_EdgeIndexFileWriter_h
 
-#include "Coding/EdgeIndex/EdgeIndexEncoder.h"
+#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 
+#include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace isosurface
 {
-EdgeIndexFileWriter::EdgeIndexFileWriter(
+
+/**
+ * Writes an edge-index file (.eix): the header, records in the order of appending, and the directory
+ * (EdgeIndexDirectory). Until Finish the file has the name GetPartialPath(), from which readers get the
+ * complete blocks; then it is renamed. A writer that is destroyed before removes the partial file and
+ * leaves an older file as it was. The partial file is locked meanwhile: a second writer to the same
+ * path fails at once.
+ *
+ * Records of the preview are kept in memory until there is 1 MB of them, so that they are adjacent in
+ * the file. Memory: these, and about 100 bytes for each record.
+ *
+ * On one rank, for tests: EdgeIndexWriteJob must write the same bytes.
+ */
+class EdgeIndexFileWriter
+{
+public:
+  /// Errors: InvalidArgument, what the file system returns; IoError if another program writes there.
+  static Result<std::unique_ptr<EdgeIndexFileWriter>> Create(
+    FileSystem& files, const std::string& path, const EdgeIndexHeader& header);
+  ~EdgeIndexFileWriter();
+  EdgeIndexFileWriter(const EdgeIndexFileWriter&) = delete;
+  EdgeIndexFileWriter& operator=(const EdgeIndexFileWriter&) = delete;
+
+  /// Appends records of any number of blocks, whole, from an encoder with the same header. Errors:
+  /// Corrupt, what the file system returns.
+  Status Append(const std::uint8_t* records, std::size_t size);
+
+  /// Writes the directory and renames the file. Nothing may follow.
+  Status Finish();
+
+  static std::string GetPartialPath(const std::string& path)
+  {
+    return GetPartialEdgeIndexPath(path);
+  }
+
+private:
+  EdgeIndexFileWriter(FileSystem& files, std::string path, const EdgeIndexHeader& header);
+  Status FlushPreview();
+
+  FileSystem& Files;
+  std::string Path;
+  EdgeIndexHeader Header;
+  std::vector<std::uint8_t> HeaderBytes;
+  std::unique_ptr<PathLock> Lock; ///< of the partial file, until it is complete or removed
+  std::unique_ptr<WritableFile> File;
+  std::vector<EdgeIndexEntry> Entries;
+  std::vector<EdgeIndexEntry> PreviewEntries; ///< of Preview
+  std::vector<std::uint8_t> Preview;
+};
+
+inline EdgeIndexFileWriter::EdgeIndexFileWriter(
   FileSystem& files, std::string path, const EdgeIndexHeader& header)
   : Files(files)
   , Path(std::move(path))
@@ -16,7 +70,7 @@ EdgeIndexFileWriter::EdgeIndexFileWriter(
   header.Append(this->HeaderBytes);
 }
 
-EdgeIndexFileWriter::~EdgeIndexFileWriter()
+inline EdgeIndexFileWriter::~EdgeIndexFileWriter()
 {
   this->File.reset();
   if (this->Lock)
@@ -26,7 +80,7 @@ EdgeIndexFileWriter::~EdgeIndexFileWriter()
   }
 }
 
-Result<std::unique_ptr<EdgeIndexFileWriter>> EdgeIndexFileWriter::Create(
+inline Result<std::unique_ptr<EdgeIndexFileWriter>> EdgeIndexFileWriter::Create(
   FileSystem& files, const std::string& path, const EdgeIndexHeader& header)
 {
   ISOSURFACE_RETURN_IF_ERROR(header.Check());
@@ -42,7 +96,7 @@ Result<std::unique_ptr<EdgeIndexFileWriter>> EdgeIndexFileWriter::Create(
   return writer;
 }
 
-Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size)
+inline Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size)
 {
   std::vector<std::uint8_t> kept;
   std::size_t used = 0;
@@ -58,7 +112,7 @@ Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size
     std::vector<std::uint8_t>& bytes = entry.Block.IsPreview ? this->Preview : kept;
     bytes.insert(bytes.end(), records + at, records + at + used);
     // Their place in the file must not depend on how many records are appended at a time.
-    if (this->Preview.size() >= MaximumPreviewBytes)
+    if (this->Preview.size() >= MaximumEdgeIndexPreviewBytes)
     {
       ISOSURFACE_RETURN_IF_ERROR(this->File->Append(kept.data(), kept.size()));
       kept.clear();
@@ -68,7 +122,7 @@ Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size_t size
   return kept.empty() ? Status::Ok() : this->File->Append(kept.data(), kept.size());
 }
 
-Status EdgeIndexFileWriter::FlushPreview()
+inline Status EdgeIndexFileWriter::FlushPreview()
 {
   if (!this->Preview.empty())
   {
@@ -81,7 +135,7 @@ Status EdgeIndexFileWriter::FlushPreview()
   return Status::Ok();
 }
 
-Status EdgeIndexFileWriter::Finish()
+inline Status EdgeIndexFileWriter::Finish()
 {
   ISOSURFACE_RETURN_IF_ERROR(this->FlushPreview());
   std::vector<std::uint8_t> end;
@@ -92,25 +146,15 @@ Status EdgeIndexFileWriter::Finish()
   return PutEdgeIndexFileInPlace(this->Files, this->Path, this->Lock);
 }
 
-Result<std::unique_ptr<PathLock>> LockEdgeIndexFile(FileSystem& files, const std::string& path)
-{
-  ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "write"));
-  return files.LockFile(EdgeIndexFileWriter::GetPartialPath(path));
-}
-
-Status PutEdgeIndexFileInPlace(
-  FileSystem& files, const std::string& path, std::unique_ptr<PathLock>& lock)
-{
-  ISOSURFACE_RETURN_IF_ERROR(files.Rename(EdgeIndexFileWriter::GetPartialPath(path), path));
-  lock.reset();
-  const std::size_t slash = path.rfind('/');
-  return files.SyncDirectory(slash == std::string::npos ? "."
-      : slash == 0                                      ? "/"
-                                                        : path.substr(0, slash));
-}
-
-Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const EdgeIndexHeader& header,
-  BlockSource& source, int threads, const Progress& progress)
+/**
+ * Writes the surface of a source as a file. The bytes do not depend on the number of threads. The
+ * header's NumberOfBlocks is set to that of the source.
+ *
+ * Errors: InvalidArgument, what Acquire or the file system returns, OutOfMemory, Aborted; an older
+ * file stays then. Memory: see EncodeBlocks.
+ */
+inline Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const EdgeIndexHeader& header,
+  BlockSource& source, int threads, const Progress& progress = {})
 {
   EdgeIndexHeader stated = header;
   stated.NumberOfBlocks = source.GetNumberOfBlocks();
@@ -126,3 +170,5 @@ Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const Edge
 }
 
 } // namespace isosurface
+
+#endif
