@@ -17,7 +17,7 @@ namespace
 {
 
 constexpr const char* Description =
-  "Writes a volume of any size as a blocked volume (OUT.bvol and OUT.bvol.stores/), prints the\n"
+  "Writes a volume of any size as a blocked volume (OUT.bvol and .OUT.bvol.stores/), prints the\n"
   "contents of one, or checks one. Under mpirun all ranks write together; for a given\n"
   "number of stores the result does not depend on the number of ranks.";
 

@@ -58,7 +58,7 @@ public:
 
   ///@{
   /**
-   * The .bvol file to write. The stores go into the folder FileName + ".stores".
+   * The .bvol file to write. The stores go into the folder .NAME.bvol.stores beside it.
    */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);

@@ -97,10 +97,11 @@ def measure(kind, folder, isovalue):
 def index_and_copy(tool, folder):
     for source in ("w.zarr", "w.h5:/d"):
         for name, arguments in (("in place", ["--in-place"]), ("copied", [])):
-            path = os.path.join(folder, f"{source.split(':')[0]}-{name.replace(' ', '-')}.bvol")
+            file = f"{source.split(':')[0]}-{name.replace(' ', '-')}.bvol"
+            path, stores = os.path.join(folder, file), os.path.join(folder, f".{file}.stores")
             clock = time.perf_counter()
             subprocess.run([tool, os.path.join(folder, source), path, "--quiet", *arguments], check=True)
-            print(f"{source} {name}: {time.perf_counter() - clock:.1f} s, {count_bytes(path + '.stores'):,} bytes")
+            print(f"{source} {name}: {time.perf_counter() - clock:.1f} s, {count_bytes(stores):,} bytes")
 
 
 def main():

@@ -264,7 +264,7 @@ def run(tool, folder, name, memory, *options):
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     seconds = time.perf_counter() - clock
-    shutil.rmtree(os.path.join(folder, "out.bvol.stores"), ignore_errors=True)
+    shutil.rmtree(os.path.join(folder, ".out.bvol.stores"), ignore_errors=True)
     return process.returncode, used.ru_maxrss / 1024, seconds
 
 

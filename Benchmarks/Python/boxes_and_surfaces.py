@@ -38,7 +38,8 @@ def measure(work):
 
 def count_bytes(path):
     """Of all files below a path, and of the file itself."""
-    below = [os.path.join(folder, name) for top in (path, path + ".stores") for folder, _, names in os.walk(top)
+    stores = os.path.join(os.path.dirname(path), f".{os.path.basename(path)}.stores")
+    below = [os.path.join(folder, name) for top in (path, stores) for folder, _, names in os.walk(top)
              for name in names]
     return sum(map(os.path.getsize, below))
 

@@ -6,6 +6,7 @@
 #include "Volumes/MeasuredVolume.h"
 #include "Volumes/VolumeQuery.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -120,7 +121,7 @@ bool RunRanksTogether(const Run& run)
 
 bool RunColdAndWarm(Run run)
 {
-  DropFromPageCache(run.Path + ".stores");
+  DropFromPageCache(HidePath(run.Path + ".stores"));
   for (const bool isCold : { true, false }) // the cold run brings the files into the page cache
   {
     run.IsCold = isCold;

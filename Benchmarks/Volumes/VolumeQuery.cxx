@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Volumes/VolumeQuery.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "Ranks/Sharing/QueryPlan.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/StoredBlockSource.h"
@@ -71,7 +72,7 @@ VolumeQuery MeasurePiece(const std::string& path, double isovalue, int rank, int
 
 void RemoveVolume(const std::string& path)
 {
-  for (const std::string& part : { path, path + ".stores" })
+  for (const std::string& part : { path, HidePath(path + ".stores") })
   {
     static_cast<void>(GetLocalFileSystem().RemoveAll(part));
   }

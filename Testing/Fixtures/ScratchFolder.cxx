@@ -2,6 +2,7 @@
 #include "ScratchFolder.h"
 
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/FileSystem.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <gtest/gtest.h>
@@ -76,21 +77,22 @@ void Truncate(const std::string& path, std::uint64_t size)
 
 std::string GetFirstStore(const std::string& volumePath, int store)
 {
-  const std::string stores = GetStoresFolder(volumePath);
+  const std::string stores = GetStoresFolder(GetLocalFileSystem(), volumePath);
   std::vector<std::string> generations;
   for (const auto& entry : std::filesystem::directory_iterator(stores))
   {
     generations.push_back(entry.path().filename().string());
   }
   EXPECT_EQ(generations.size(), 1u) << stores;
-  return GetStoreFolder(volumePath, generations.at(0), static_cast<std::uint32_t>(store));
+  return GetStoreFolder(
+    GetLocalFileSystem(), volumePath, generations.at(0), static_cast<std::uint32_t>(store));
 }
 
 std::vector<std::string> ListVolumeFiles(const std::string& volumePath)
 {
   const std::filesystem::path header(volumePath);
   std::vector<std::string> names;
-  const std::string stores = GetStoresFolder(volumePath);
+  const std::string stores = GetStoresFolder(GetLocalFileSystem(), volumePath);
   if (std::filesystem::exists(stores))
   {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(stores))
@@ -122,8 +124,10 @@ std::uint64_t ComputeFingerprint(const std::string& volumePath)
 void CopyVolume(const std::string& from, const std::string& to)
 {
   std::filesystem::copy_file(from, to);
-  std::filesystem::copy(
-    GetStoresFolder(from), GetStoresFolder(to), std::filesystem::copy_options::recursive);
+  const std::string stores = GetStoresFolder(GetLocalFileSystem(), from);
+  const std::string copy = to + ".stores";
+  std::filesystem::copy(stores, stores == from + ".stores" ? copy : HidePath(copy),
+    std::filesystem::copy_options::recursive);
 }
 
 } // namespace isosurface

@@ -77,7 +77,7 @@ std::map<std::string, SealedBytes> LeaveUnfinished()
   LockedDisk disk;
   const Status status = WriteVolume(disk, [](double share) { return share < 0.5; });
   Require(status.GetCode() == StatusCode::Aborted, "the write is stopped");
-  Require(disk.Exists(WriteJournal::GetPath(UnfinishedPath)), "it leaves a journal");
+  Require(disk.Exists(WriteJournal::GetPath(disk, UnfinishedPath)), "it leaves a journal");
   return disk.Copy();
 }
 
@@ -105,7 +105,7 @@ void ChangeFiles(
 void SealCheckpoints(std::map<std::string, SealedBytes>& files, const WriteJournal& journal)
 {
   const std::string folder =
-    GetStoresFolder(UnfinishedPath) + "/" + journal.Folder + "/store-00000/";
+    GetStoresFolder(disk, UnfinishedPath) + "/" + journal.Folder + "/store-00000/";
   SealedBytes& entries = files[folder + "entries.tmp"];
   // The number of a block, its offset, the lengths of its segments, one a level, and its range.
   constexpr std::size_t entryBytes = 8 + 8 + 2 * 4 + 16;
@@ -132,7 +132,8 @@ void SealCheckpoints(std::map<std::string, SealedBytes>& files, const WriteJourn
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size)
 {
   static const std::map<std::string, SealedBytes> left = LeaveUnfinished();
-  const std::string journalPath = WriteJournal::GetPath(UnfinishedPath);
+  MemoryDisk empty;
+  const std::string journalPath = WriteJournal::GetPath(empty, UnfinishedPath);
   const std::uint8_t* const zero = std::find(bytes, bytes + size, std::uint8_t{ 0 });
   std::string text(bytes, zero);
   if (text.empty())
@@ -150,7 +151,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     ChangeFiles(files, zero + 1, bytes + size);
   }
   files[journalPath].assign(text.begin(), text.end());
-  const auto journal = WriteJournal::Parse(text, UnfinishedPath);
+  const auto journal = WriteJournal::Parse(text, journalPath);
   if (journal.IsOk())
   {
     SealCheckpoints(files, *journal);

@@ -17,7 +17,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Path = "/data/volume.bvol.stores/000001/spectra";
+const std::string Path = "/data/.volume.bvol.stores/000001/spectra";
 
 void Use(const WorkloadSpectrum& spectrum)
 {

@@ -32,7 +32,7 @@ namespace
 using Bytes = std::vector<std::uint8_t>;
 
 const std::string Path = "/data/volume.bvol";
-const std::string StoreFolder = Path + ".stores/000001/store-00000";
+const std::string StoreFolder = HidePath(Path + ".stores") + "/000001/store-00000";
 
 class Corpus
 {
@@ -170,7 +170,7 @@ void AddVolume(Corpus& corpus, const std::string& name, const Index3& size, std:
   // The spectra of components are like those of arrays, and long.
   if (components == 1)
   {
-    corpus.Add("VolumeSpectra", name, disk.GetFile(Path + ".stores/000001/spectra"));
+    corpus.Add("VolumeSpectra", name, disk.GetFile(HidePath(Path + ".stores") + "/000001/spectra"));
   }
   const Bytes& directory = disk.GetFile(BlockStore::GetDirectoryPath(StoreFolder));
   const ArrayVariables variables({ { "density", type, components } });

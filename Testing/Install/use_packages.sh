@@ -70,7 +70,7 @@ expect "It reads files without VTK" "^8 False" /usr/bin/python3 -c "if True:
     samples[1, 1, 1] = 1
     volume = scalable_isosurface.create(samples, '/one.bvol')
     print(len(volume.isosurface(0.5).triangles), any(name.startswith('vtk') for name in sys.modules))"
-rm -r /one.bvol /one.bvol.stores
+rm -r /one.bvol /.one.bvol.stores
 expect "Two ranks of pvbatch find the plugin by its name" "^Triangles: [1-9]" \
   mpiexec --oversubscribe -n 2 pvbatch "$here/plugin_by_name.py"
 expect "A server finds the plugin by its name" "^Triangles: [1-9]" pvpython "$here/plugin_by_name.py" --server

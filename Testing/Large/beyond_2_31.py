@@ -283,7 +283,7 @@ class Runs:
     def remove(self, *names):
         for name in names:
             path = self.path(name)
-            for any_ in (path, path + ".stores"):
+            for any_ in (path, self.path(f".{name}.stores")):
                 shutil.rmtree(any_, ignore_errors=True) if os.path.isdir(any_) else \
                     os.path.exists(any_) and os.remove(any_)
 
@@ -335,7 +335,7 @@ class Runs:
         code, text, cost = self.run_tool("blockvolume", self.path("v.mhd"), self.path("v.bvol"), "--stores", "1",
                                          "--compression", "none", "--memory", "2048", "--quiet")
         size = sum(os.path.getsize(os.path.join(folder, name))
-                   for folder, _, names in os.walk(self.path("v.bvol.stores")) for name in names if name == "blocks")
+                   for folder, _, names in os.walk(self.path(".v.bvol.stores")) for name in names if name == "blocks")
         self.tell("a store is written", code == 0 and size > 2**32, text, f"{size:,} bytes", cost)
         code, text, cost = self.run_tool("blockvolume", "--verify", "--quiet", self.path("v.bvol"))
         self.tell("it is verified", code == 0, text, cost)
@@ -388,8 +388,8 @@ class Runs:
         code, text, cost = self.run_tool("blockvolume", self.path("v.mhd"), self.path("w.bvol"), "--stores", "1",
                                          "--compression", "none", "--memory", "2048", "--quiet", ranks=2)
         same = code == 0
-        for folder, _, names in os.walk(self.path("v.bvol.stores")):
-            other = folder.replace("v.bvol.stores", "w.bvol.stores")
+        for folder, _, names in os.walk(self.path(".v.bvol.stores")):
+            other = folder.replace(".v.bvol.stores", ".w.bvol.stores")
             same = same and all(filecmp.cmp(os.path.join(folder, name), os.path.join(other, name), shallow=False)
                                 for name in names)
         self.tell("2 ranks write one store: the bytes of one rank", same, text, cost)

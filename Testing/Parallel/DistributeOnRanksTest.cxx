@@ -5,6 +5,7 @@
 #include "ParallelVolumes.h"
 #include "VolumeDamage.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkClipPolyData.h"
 #include "vtkDataArray.h"
@@ -440,7 +441,7 @@ TEST(DistributeErrors, AreToldOnceByEveryRankAndPass)
 {
   DistributedContour distributed("Errors");
   distributed.UseVolume(GetVolume(VTK_SHORT), { 16, 7, vtkBlockedVolumeWriter::RANDOM });
-  const std::string stores = distributed.GetPath() + ".stores";
+  const std::string stores = HidePath(distributed.GetPath() + ".stores");
   const std::string good = distributed.Folder.GetPath("good");
   OnFirstRank(
     [&]

@@ -6,6 +6,7 @@
 
 #include "ControllerCommunicator.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkCommand.h"
 #include "vtkMultiProcessController.h"
@@ -141,7 +142,8 @@ TEST_F(DynamicBalance, ReadsALostStoreElsewhere)
   pipeline.Reader->SetCacheSize(0);
   const EventCounter warnings(pipeline.Contour, vtkCommand::WarningEvent);
   Extract(pipeline, 60.5);
-  OnFirstRank([&] { std::filesystem::remove_all(path + ".stores/000001/store-00001"); });
+  OnFirstRank(
+    [&] { std::filesystem::remove_all(HidePath(path + ".stores") + "/000001/store-00001"); });
   ExpectSurfaceOf(pipeline.Update({ Isovalue }), this->Image, Isovalue);
 }
 
@@ -153,8 +155,8 @@ TEST_F(DynamicBalance, ALostStoreIsAnErrorOnAllRanksAndTheNextVolumeWorks)
   OnFirstRank(
     [&]
     {
-      std::filesystem::rename(this->Volume.Path + ".stores/000001/store-00001",
-        this->Volume.Path + ".stores/000001/aside");
+      std::filesystem::rename(HidePath(this->Volume.Path + ".stores") + "/000001/store-00001",
+        HidePath(this->Volume.Path + ".stores") + "/000001/aside");
     });
   {
     const ErrorCounter errors(pipeline.Contour);
@@ -164,8 +166,8 @@ TEST_F(DynamicBalance, ALostStoreIsAnErrorOnAllRanksAndTheNextVolumeWorks)
   OnFirstRank(
     [&]
     {
-      std::filesystem::rename(this->Volume.Path + ".stores/000001/aside",
-        this->Volume.Path + ".stores/000001/store-00001");
+      std::filesystem::rename(HidePath(this->Volume.Path + ".stores") + "/000001/aside",
+        HidePath(this->Volume.Path + ".stores") + "/000001/store-00001");
     });
   pipeline.Contour->Modified();
   ExpectSurfaceOf(pipeline.Update({ Isovalue }), this->Image, Isovalue);

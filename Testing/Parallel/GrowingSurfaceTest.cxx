@@ -15,6 +15,7 @@
 #include "vtkPolyData.h"
 
 #include "Formats/Opener/ForeignVolume.h"
+#include "Ground/Base/FileSystem.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
 #include "Storage/Store/SourceRecord.h"
@@ -298,7 +299,7 @@ TEST_F(GrowingSurfaceOfCopies, StaysAsItIsOnAllRanksWhenTheCopyIsDamaged)
     [&]
     {
       for (const auto& entry :
-        std::filesystem::recursive_directory_iterator(this->Index + ".stores"))
+        std::filesystem::recursive_directory_iterator(HidePath(this->Index + ".stores")))
       {
         if (entry.path().filename() == "blocks")
         {

@@ -170,7 +170,8 @@ TEST(RankDeath, DISABLED_LeavesOldVolumeAndIsClearedAway)
   ASSERT_TRUE(std::filesystem::exists(GetVolume())) << "the first program did not write";
   if (GetRank() == 0)
   {
-    EXPECT_EQ(CountFiles(GetStoresFolder(GetVolume())), 2) << "nobody died while writing";
+    EXPECT_EQ(CountFiles(GetStoresFolder(GetLocalFileSystem(), GetVolume())), 2)
+      << "nobody died while writing";
   }
   ExpectVolume(MakeOldImage());
   GetRanks()->Barrier();
@@ -179,7 +180,7 @@ TEST(RankDeath, DISABLED_LeavesOldVolumeAndIsClearedAway)
   GetRanks()->Barrier();
   if (GetRank() == 0)
   {
-    EXPECT_EQ(CountFiles(GetStoresFolder(GetVolume())), 1);
+    EXPECT_EQ(CountFiles(GetStoresFolder(GetLocalFileSystem(), GetVolume())), 1);
     EXPECT_EQ(CountFiles(GetFolder()), 2);
     std::filesystem::remove_all(GetFolder());
   }

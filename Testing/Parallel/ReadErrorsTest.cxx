@@ -4,6 +4,7 @@
 #include "ParallelVolumes.h"
 #include "VolumeDamage.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkContourSpectrum.h"
 #include "vtkExecutive.h"
@@ -86,7 +87,7 @@ TEST_P(ReadErrors, AreToldOnceByEveryRank)
     [&]
     {
       std::filesystem::remove(volume.Path);
-      std::filesystem::remove_all(volume.Path + ".stores");
+      std::filesystem::remove_all(HidePath(volume.Path + ".stores"));
       CopyVolume(volume.Folder.GetPath("good/volume.bvol"), volume.Path);
     });
   listened.Pipeline.Reader->Modified();

@@ -4,6 +4,7 @@
 #include "EventCounter.h"
 #include "ParallelVolumes.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkBlockedVolumeReader.h"
 #include "vtkDistributeIsosurface.h"
 #include "vtkMultiProcessController.h"
@@ -52,7 +53,7 @@ protected:
     pipeline.Reader->SetCacheSize(0);
     const EdgeSurface first = GatherSurface(pipeline.Update({ ReplicatedIsovalue }));
     EXPECT_EQ(warnings.Messages, std::vector<std::string>());
-    OnFirstRank([&] { spoil(path + ".stores/000001/store-00002"); });
+    OnFirstRank([&] { spoil(HidePath(path + ".stores") + "/000001/store-00002"); });
     const EdgeSurface second = GatherSurface(pipeline.Update({ ReplicatedIsovalue + 10 }));
     const EdgeSurface third = GatherSurface(pipeline.Update({ ReplicatedIsovalue }));
     std::string told;
@@ -111,7 +112,7 @@ TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
   VolumeSettings settings = { 16, 5 };
   settings.NumberOfReplicas = 2;
   WriteFromPieces(image, PieceSource::SUB_EXTENTS, path, settings);
-  OnFirstRank([&] { FlipBytes(path + ".stores/000001/store-00002/blocks"); });
+  OnFirstRank([&] { FlipBytes(HidePath(path + ".stores") + "/000001/store-00002/blocks"); });
   ContourPipeline pipeline(path);
   pipeline.Reader->SetLocalStores(isLocal);
   pipeline.Contour->SetValue(0, ReplicatedIsovalue);

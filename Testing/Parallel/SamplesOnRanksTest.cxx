@@ -8,6 +8,7 @@
 #include "vtkVolumeProbe.h"
 #include "vtkVolumeRegion.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkCommand.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
@@ -269,8 +270,12 @@ TEST(SamplesOnRanks, AStoreThatIsLostMeanwhileIsReadElsewhereOrToldByAll)
     reader->SetCacheSize(0);
     const auto slice = MakeSlice(reader, image, { 1, 2, 3 });
     UpdatePart(slice.Get());
-    OnFirstRank([&]
-      { std::filesystem::resize_file(volume.Path + ".stores/000001/store-00002/blocks", 4096); });
+    OnFirstRank(
+      [&]
+      {
+        std::filesystem::resize_file(
+          HidePath(volume.Path + ".stores") + "/000001/store-00002/blocks", 4096);
+      });
     slice->SetNormal(1, 2, 4);
     const ErrorCounter errors(slice);
     const MessageKeeper warnings(slice, vtkCommand::WarningEvent);

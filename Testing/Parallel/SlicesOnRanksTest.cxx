@@ -3,6 +3,7 @@
 // number of ranks.
 #include "SampledVolumes.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
 #include "vtkInformation.h"
@@ -351,7 +352,11 @@ TEST(SlicesOnRanks, AnExactSliceThatCannotBeMadeIsAnErrorAfterRefine)
   UpdatePart(slice.Get());
   EXPECT_EQ(slice->GetFinal(), 0);
   OnFirstRank(
-    [&] { std::filesystem::resize_file(volume.Path + ".stores/000001/store-00002/blocks", 4096); });
+    [&]
+    {
+      std::filesystem::resize_file(
+        HidePath(volume.Path + ".stores") + "/000001/store-00002/blocks", 4096);
+    });
   EXPECT_EQ(WaitForExact(slice), 2);
   slice->Refine();
   const ErrorCounter errors(slice);

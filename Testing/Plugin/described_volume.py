@@ -66,7 +66,7 @@ class DescribedVolume(testing.TestCase):
         first = make_large_volume("again.bvol", 1)
         reader = simple.OpenDataFile(testing.output("again.bvol"))
         reader.UpdatePipeline()
-        for path in (testing.output("again.bvol"), testing.output("again.bvol") + ".stores"):
+        for path in (testing.output("again.bvol"), testing.get_stores(testing.output("again.bvol"))):
             if os.path.isdir(path):
                 shutil.rmtree(path)
             else:

@@ -133,7 +133,7 @@ WRITERS = {"scan.mha": write_metaimage, "scan.nrrd": write_nrrd, "scan.nii": wri
 
 
 def list_stores(index):
-    return sorted(os.listdir(index + ".stores"))
+    return sorted(os.listdir(testing.get_stores(index)))
 
 
 def count_triangles(reader, isovalue=testing.ISOVALUE):
@@ -333,7 +333,7 @@ class InPlaceReader(testing.TestCase):
     def test_other_volume_at_the_place_of_the_index_is_kept(self):
         write_zarr(self.source, self.samples)
         shutil.copy(testing.volume("wave.bvol"), self.index)
-        shutil.copytree(testing.volume("wave.bvol.stores"), self.index + ".stores")
+        shutil.copytree(testing.volume(".wave.bvol.stores"), testing.get_stores(self.index))
         reader = self.open(self.source)
         self.assertEqual(testing.count_cells(reader), 0)
         reader.UpdatePropertyInformation()

@@ -43,6 +43,11 @@ def output(name):
     return os.path.join(arguments.output, name)
 
 
+def get_stores(path):
+    """The folder of a blocked volume's stores."""
+    return os.path.join(os.path.dirname(path), f".{os.path.basename(path)}.stores")
+
+
 def baseline(name):
     return os.path.join(arguments.baselines, name)
 

@@ -10,7 +10,7 @@ import plugin_testing as testing
 def copy_volume(name):
     path = testing.output(name)
     shutil.copy(testing.volume("wave.bvol"), path)
-    shutil.copytree(testing.volume("wave.bvol.stores"), path + ".stores")
+    shutil.copytree(testing.volume(".wave.bvol.stores"), testing.get_stores(path))
     return path
 
 
@@ -43,15 +43,15 @@ def change_header():
 
 def remove_store():
     path = copy_volume("storeless.bvol")
-    (generation,) = os.listdir(path + ".stores")
-    shutil.rmtree(os.path.join(path + ".stores", generation, "store-00002"))
+    (generation,) = os.listdir(testing.get_stores(path))
+    shutil.rmtree(os.path.join(testing.get_stores(path), generation, "store-00002"))
     return path
 
 
 def truncate_blocks():
     path = copy_volume("blockless.bvol")
-    (generation,) = os.listdir(path + ".stores")
-    blocks = os.path.join(path + ".stores", generation, "store-00001", "blocks")
+    (generation,) = os.listdir(testing.get_stores(path))
+    blocks = os.path.join(testing.get_stores(path), generation, "store-00001", "blocks")
     os.truncate(blocks, os.path.getsize(blocks) // 3)
     return path
 

@@ -154,7 +154,7 @@ class Samples(VolumeTest):
         for name, error, call in (
             ("step", TypeError, lambda: si.open(path, "1")),
             ("step", TypeError, lambda: volume.at(0.5)),
-            ("axes", TypeError, lambda: si.open(self.path("v.bvol.stores"), axes=3)),
+            ("axes", TypeError, lambda: si.open(self.path(".v.bvol.stores"), axes=3)),
             ("index_folder", TypeError, lambda: si.open(path, index_folder=3)),
             ("threads", TypeError, lambda: si.open(path, threads="many")),
             ("threads", ValueError, lambda: si.open(path, threads=-1)),
@@ -189,7 +189,7 @@ class Samples(VolumeTest):
         volume = si.create(samples, path)
         numpy.testing.assert_array_equal(si.open(path)[...], samples)
         self.assertEqual(volume.path, path)
-        shutil.rmtree(path + ".stores")
+        shutil.rmtree(os.path.join(self.folder, "." + os.path.basename(path) + ".stores"))
         with self.assertRaisesRegex(OSError, r"caf\\xe9.bvol") as raised:
             volume.level(1)[...]
         str(raised.exception).encode()
@@ -274,7 +274,7 @@ class Samples(VolumeTest):
         samples = make_samples("uint8", (33, 33, 96))
         samples[:, :, 36:60] = 0xAB
         si.create(samples, self.path("v.bvol"), compression="none")
-        for folder, _, names in os.walk(self.path("v.bvol.stores/000001/store-00000")):
+        for folder, _, names in os.walk(self.path(".v.bvol.stores/000001/store-00000")):
             for name in names:
                 with open(os.path.join(folder, name), "r+b") as file:
                     content = file.read()
@@ -511,7 +511,7 @@ class Files(VolumeTest):
     def test_damage_is_an_error_that_names_the_file(self):
         samples = make_samples("float64")
         si.create(samples, self.path("v.bvol"), compression="none")
-        for folder, _, names in os.walk(self.path("v.bvol.stores/000001/store-00000")):
+        for folder, _, names in os.walk(self.path(".v.bvol.stores/000001/store-00000")):
             for name in names:
                 path = os.path.join(folder, name)
                 with open(path, "r+b") as file:
@@ -526,12 +526,12 @@ class Files(VolumeTest):
     def test_a_lost_store_is_a_warning_where_there_are_replicas(self):
         samples = make_waves()
         expected = si.create(samples, self.path("v.bvol"), stores=3, replicas=2).isosurface(0.4)
-        shutil.rmtree(self.path("v.bvol.stores/000001/store-00001"))
+        shutil.rmtree(self.path(".v.bvol.stores/000001/store-00001"))
         numpy.testing.assert_array_equal(si.open(self.path("v.bvol"))[...], samples)
         with self.assertWarnsRegex(UserWarning, "v.bvol"):
             surface = si.open(self.path("v.bvol")).isosurface(0.4)
         self.assertEqual(sorted(map(tuple, surface.points)), sorted(map(tuple, expected.points)))
-        shutil.rmtree(self.path("v.bvol.stores/000001/store-00002"))
+        shutil.rmtree(self.path(".v.bvol.stores/000001/store-00002"))
         for read in (lambda volume: volume[...], lambda volume: volume.isosurface(0.4)):
             with self.assertRaisesRegex(OSError, "v.bvol"):
                 read(si.open(self.path("v.bvol")))

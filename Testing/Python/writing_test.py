@@ -206,7 +206,7 @@ class Writing(VolumeTest):
             kept = si.open(self.path("v.bvol"))
             self.assertEqual(kept.times, (-1,))
             numpy.testing.assert_array_equal(kept[...], older)
-            self.assertEqual(os.listdir(self.path("v.bvol.stores")), ["000001"])
+            self.assertEqual(os.listdir(self.path(".v.bvol.stores")), ["000001"])
 
     @unittest.skipUnless(h5py, "there is no h5py")
     def test_a_rectilinear_grid_lies_where_its_coordinates_are(self):

@@ -223,6 +223,7 @@ void ExpectFilesOf(
   const std::string path = folder.GetPath(volume);
   VolumeSettings settings = GoldenSettings;
   settings.NumberOfReplicas = replicas;
+  std::filesystem::create_directory(path + ".stores"); // release 1 did not hide it
   WriteVolume(input, path, settings);
   const std::vector<std::string> names = ListVolumeFiles(GetDataPath("blocked-volume/" + volume));
   if (!isSealed)

@@ -9,6 +9,7 @@
 
 #include "vtkBlockedVolumeReader.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkExecutive.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPolyData.h"
@@ -49,7 +50,7 @@ TEST_P(ReaderErrors, NameFileAndReasonOnce)
   EXPECT_EQ(reader->GetOutput()->GetNumberOfPartitions(), 0u);
 
   std::filesystem::remove(volume.Path);
-  std::filesystem::remove_all(volume.Path + ".stores");
+  std::filesystem::remove_all(HidePath(volume.Path + ".stores"));
   CopyVolume(volume.Folder.GetPath("good/volume.bvol"), volume.Path);
   reader->Modified();
   const auto blocks = ReadPiece(reader, 0, 1);

@@ -7,6 +7,7 @@
 #include "vtkContourSpectrum.h"
 #include "vtkStabbingContour.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkExecutive.h"
 #include "vtkNew.h"
 #include "vtkPartitionedDataSet.h"
@@ -91,7 +92,7 @@ TEST(SpectrumOfVolume, LeavesOtherConsumersTheirSamples)
 TEST(SpectrumOfVolume, TellsOfADamagedFile)
 {
   const ScratchVolume volume(MakeClosedVolume({ 0, 40, 0, 40, 0, 40 }, VTK_SHORT));
-  const std::string file = volume.Path + ".stores/000001/spectra";
+  const std::string file = HidePath(volume.Path + ".stores") + "/000001/spectra";
   std::string bytes = ReadBytes(file);
   bytes[bytes.size() / 2] ^= 4;
   WriteBytes(file, bytes);

@@ -7,6 +7,7 @@
 #include "vtkBlockedVolumeReader.h"
 #include "vtkStabbingContour.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
 #include "vtkPassThrough.h"
@@ -384,7 +385,8 @@ TEST_F(StabbingContourProgressive, TellsOfErrorsOfWhatWasExtractedBeside)
 {
   this->Contour->Update();
   this->Reader->SetCacheSize(0);
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(this->Path + ".stores"))
+  for (const auto& entry :
+    std::filesystem::recursive_directory_iterator(HidePath(this->Path + ".stores")))
   {
     if (entry.is_regular_file() && entry.path().filename() == "blocks")
     {
@@ -404,7 +406,8 @@ TEST_F(StabbingContourProgressive, TellsOfADamagedSpectrumAndGoesOnAfterItsRepai
 {
   this->Reader->UpdateInformation();
   std::filesystem::path spectra;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(this->Path + ".stores"))
+  for (const auto& entry :
+    std::filesystem::recursive_directory_iterator(HidePath(this->Path + ".stores")))
   {
     if (entry.path().filename() == "spectra" && spectra.empty())
     {

@@ -12,7 +12,7 @@ import random
 import shutil
 import sys
 
-from read_blocked_volume import TYPES, BlockedVolume, make_key, read_document
+from read_blocked_volume import TYPES, BlockedVolume, find_stores, make_key, read_document
 from read_interval_tree import FormatError, check, read_file
 
 
@@ -118,10 +118,10 @@ def check_spectrum(volume, number):
 def check_damage(path, flips):
     """Flips one bit after the other, some in each file; the reader must notice each."""
     copy = path + ".damaged"
-    shutil.rmtree(copy + ".stores", ignore_errors=True)
+    shutil.rmtree(find_stores(copy), ignore_errors=True)
     shutil.copyfile(path, copy)
-    shutil.copytree(path + ".stores", copy + ".stores")
-    files = [copy] + [name for name in glob.glob(copy + ".stores/**", recursive=True)
+    shutil.copytree(find_stores(path), find_stores(copy))
+    files = [copy] + [name for name in glob.glob(find_stores(copy) + "/**", recursive=True)
                       if os.path.isfile(name)]
     for name in files:
         good = read_file(name)

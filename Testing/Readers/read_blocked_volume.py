@@ -24,6 +24,12 @@ TYPES = {"int8": ("b", True, 8), "uint8": ("B", False, 8), "int16": ("h", True, 
          "float32": ("f", None, 32), "float64": ("d", None, 64)}
 
 
+def find_stores(path):
+    """The folder of a volume's stores."""
+    shown = path + ".stores"
+    return shown if os.path.exists(shown) else os.path.join(os.path.dirname(path), f".{os.path.basename(shown)}")
+
+
 def make_key(value, type_name):
     code, signed, bits = TYPES[type_name]
     if signed is not None:
@@ -350,7 +356,7 @@ class BlockedVolume:
         check(not self.is_in_place or sources, f"{path}: the samples are in the source: "
               f"{step.get('source', {}).get('path')}")
         self.sources = sources
-        folder = os.path.join(path + ".stores", step["folder"])
+        folder = os.path.join(find_stores(path), step["folder"])
         if number > 0:
             folder = os.path.join(folder, f"overview-{number}")
             step = step["overviews"][number - 1]

@@ -17,7 +17,7 @@ import unittest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Readers"))
 from read_blocked_volume import BlockedVolume  # noqa: E402  (found beside this script)
-from sample_volumes import WAIT_SECONDS, VolumeCase, list_files, remove_volume, run_command  # noqa: E402
+from sample_volumes import WAIT_SECONDS, VolumeCase, get_stores, list_files, remove_volume, run_command  # noqa: E402
 
 TOOL, MPIEXEC, INPUTS, SCRATCH, CLAIM = sys.argv[1:6]
 HEAD_MRI = "/usr/share/mricron/templates/ch2.nii.gz"
@@ -352,7 +352,7 @@ class RepairRestoresStores(Case):
         stores = [name for name in alone if name.startswith("000001/store-")]
         self.assertEqual(len(stores), 4 * 4)
         self.assertEqual([name for name in stores if before[name] != alone[name]], [])
-        step = path + ".stores/000001/"
+        step = get_stores(path) + "/000001/"
         for spoil in (lambda: shutil.rmtree(step + "store-00001"),
                       lambda: os.truncate(step + "store-00002/blocks", 4096),
                       lambda: os.remove(step + "store-00003/replica-1/directory")):
@@ -369,7 +369,7 @@ class RepairRestoresStores(Case):
 
     def test_what_nobody_has_is_refused_by_one_line_with_the_blocks(self):
         path = self.write(os.path.join(INPUTS, "a.vti"), "o.bvol", "--stores", "4", "--replicas", "2")
-        step = path + ".stores/000001/"
+        step = get_stores(path) + "/000001/"
         for name in ("store-00001/blocks", "store-00002/replica-1/blocks"):
             with open(step + name, "r+b") as file:
                 file.seek(100)
@@ -511,7 +511,7 @@ class ErrorsAreOneLine(Case):
         os.remove(os.path.join(SCRATCH, "pipe.bvol"))
         path = self.write(source, "o.bvol")
         for name in ("blocks", "directory", "array-0.tree"):
-            kept = os.path.join(path + ".stores/000001/store-00000", name)
+            kept = os.path.join(get_stores(path) + "/000001/store-00000", name)
             os.rename(kept, kept + ".kept")
             os.mkfifo(kept)
             code, _, err = run("--verify", path, "--quiet")
@@ -523,7 +523,7 @@ class ErrorsAreOneLine(Case):
     def test_work_that_no_volume_is_worth(self):
         self.check("is not from 1 to 4096", os.path.join(INPUTS, "a.mhd"), "few.bvol",
                    "--stores", "65535")
-        self.assertFalse(os.path.exists(os.path.join(SCRATCH, "few.bvol.stores")))
+        self.assertFalse(os.path.exists(os.path.join(SCRATCH, ".few.bvol.stores")))
         with open(os.path.join(SCRATCH, "huge.vti"), "w", encoding="ascii") as file:
             extent = "0 2000000 0 2000000 0 2000000"
             file.write('<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian">'
@@ -591,7 +591,7 @@ class StopsWithoutLeavingAnything(Case):
         if ranks > 1:
             command = [MPIEXEC, "--oversubscribe", "-n", str(ranks)] + command
         with subprocess.Popen(command, cwd=SCRATCH, stderr=subprocess.PIPE, text=True) as process:
-            folder = os.path.join(SCRATCH, name + ".stores")
+            folder = os.path.join(SCRATCH, get_stores(name))
             end = time.monotonic() + WAIT_SECONDS
             while not glob.glob(folder + "/*") and time.monotonic() < end:
                 time.sleep(0.02)
@@ -612,7 +612,7 @@ class StopsWithoutLeavingAnything(Case):
         # mpirun may end its ranks before they are done with cleaning; the next run does it.
         self.stop("two.bvol", 2, (1, 130))
         path = self.write(os.path.join(INPUTS, "a.mhd"), "two.bvol")
-        self.assertEqual(len(glob.glob(path + ".stores/*")), 1)
+        self.assertEqual(len(glob.glob(get_stores(path) + "/*")), 1)
 
 
 if __name__ == "__main__":

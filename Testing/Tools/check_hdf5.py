@@ -14,7 +14,7 @@ import time
 import h5py
 import numpy
 
-from sample_volumes import SHAPE, TYPES, SourceCase, list_files, make_samples, remove_volume, run_claim
+from sample_volumes import SHAPE, TYPES, SourceCase, get_stores, list_files, make_samples, remove_volume, run_claim
 
 
 class Datasets(SourceCase):
@@ -113,7 +113,7 @@ class TimeStepsAndChannels(SourceCase):
                     code, _, err = self.run_tool(source, path, "--stores", "3", *arguments, ranks=ranks)
                     self.assertEqual(code, 1, err)
                     self.assertEqual(self.read_all(path), older)
-                    self.assertEqual(os.listdir(path + ".stores"), ["000001"])
+                    self.assertEqual(os.listdir(get_stores(path)), ["000001"])
         # What a journal has of a volume in place stays, too, for the next run.
         for told in (0, 2):
             code, out, err = self.run_tool("damaged.h5", path, "--stores", "3", "--in-place")
@@ -121,7 +121,7 @@ class TimeStepsAndChannels(SourceCase):
             self.assertEqual({name: self.read_all(path)[name] for name in older}, older)
         code, _, err = self.run_tool("damaged.h5", path, "--stores", "3", "--step", "1")
         self.assertEqual(code, 0, err)
-        self.assertEqual(os.listdir(path + ".stores"), [json.loads(
+        self.assertEqual(os.listdir(get_stores(path)), [json.loads(
             self.run_tool("--info", "--json", path)[1])["timeSteps"][0]["folder"]])
 
     def test_time_steps_in_place_go_on_after_a_kill(self):
@@ -133,7 +133,7 @@ class TimeStepsAndChannels(SourceCase):
         remove_volume(path)
         command = [self.tool, "k.h5", path, "--stores", "3", "--in-place", "--quiet"]
         with subprocess.Popen(command, cwd=self.scratch) as process:
-            while not os.path.exists(path + ".stores/000002") and process.poll() is None:
+            while not os.path.exists(get_stores(path) + "/000002") and process.poll() is None:
                 time.sleep(0.001)
             process.kill()
         self.assertFalse(os.path.exists(path))

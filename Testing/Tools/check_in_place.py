@@ -203,7 +203,7 @@ class ChangesAndErrors(InPlaceCase):
 
     def test_the_source_and_the_volume_move_together(self):
         os.makedirs(self.path("new/place"))
-        for name in ("a.h5", "v.bvol", "v.bvol.stores"):
+        for name in ("a.h5", "v.bvol", ".v.bvol.stores"):
             os.rename(self.path(name), self.path("new/place/" + name))
         self.assert_sound(self.path("new/place/v.bvol"))
 

@@ -151,7 +151,7 @@ class FaultsOfALibraryAreErrors(SourceCase):
 class EndsWithTheProcessThatWaits(SourceCase):
     def start(self):
         """A run, the number of its process that reads, and the folder that it fills."""
-        folder = self.path("s.bvol.stores")
+        folder = self.path(".s.bvol.stores")
         shutil.rmtree(folder, ignore_errors=True)
         with open(self.path("large.raw"), "wb") as file:  # sparse
             file.truncate(1 << 30)

@@ -26,12 +26,17 @@ def make_samples(dtype, shape=SHAPE, phase=0.0):
     return (50 + 25 * waves).astype(dtype)
 
 
+def get_stores(volume):
+    """The folder of a blocked volume's stores."""
+    return os.path.join(os.path.dirname(volume), f".{os.path.basename(volume)}.stores")
+
+
 def list_files(volume):
     """Names within a blocked volume, with the paths."""
     files = {"header": volume}
-    for path in glob.glob(volume + ".stores/**", recursive=True):
+    for path in glob.glob(get_stores(volume) + "/**", recursive=True):
         if os.path.isfile(path):
-            files[os.path.relpath(path, volume + ".stores")] = path
+            files[os.path.relpath(path, get_stores(volume))] = path
     return files
 
 
@@ -46,7 +51,7 @@ def run_command(command, mpiexec, folder, ranks=1):
 
 def remove_volume(path):
     """Removes a blocked volume that may be there."""
-    for old in (path, path + ".stores"):
+    for old in (path, get_stores(path)):
         if os.path.exists(old):
             os.remove(old) if os.path.isfile(old) else shutil.rmtree(old)
 

@@ -6,6 +6,7 @@
 
 #include "vtkBlockedVolumeWriter.h"
 
+#include "Ground/Base/FileSystem.h"
 #include "vtkCellDataToPointData.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
@@ -95,11 +96,13 @@ std::map<std::string, std::string> ReadFiles(const std::string& path)
       std::string(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
   };
   read(path, "header");
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(path + ".stores"))
+  for (const auto& entry :
+    std::filesystem::recursive_directory_iterator(HidePath(path + ".stores")))
   {
     if (entry.is_regular_file())
     {
-      read(entry.path(), std::filesystem::relative(entry.path(), path + ".stores").string());
+      read(
+        entry.path(), std::filesystem::relative(entry.path(), HidePath(path + ".stores")).string());
     }
   }
   return contents;

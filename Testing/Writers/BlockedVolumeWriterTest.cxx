@@ -187,7 +187,7 @@ TEST_F(BlockedVolumeWriter, WritesTheSameBytesAgain)
   for (int turn = 0; turn < 2; ++turn)
   {
     std::filesystem::remove(this->GetPath());
-    std::filesystem::remove_all(this->GetPath() + ".stores");
+    std::filesystem::remove_all(HidePath(this->GetPath() + ".stores"));
     WriteVolume(image, this->GetPath(), { 16, 3, vtkBlockedVolumeWriter::RANDOM });
     fingerprints.push_back(ComputeFingerprint(this->GetPath()));
   }

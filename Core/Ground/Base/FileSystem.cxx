@@ -458,6 +458,11 @@ private:
 
 thread_local const Progress* ReadingStop::Current = nullptr;
 
+std::string HidePath(const std::string& path)
+{
+  return std::string(path).insert(path.rfind('/') + 1, ".");
+}
+
 FileSystem& GetLocalFileSystem()
 {
   // Never destroyed: files may be open until the very end of the process.

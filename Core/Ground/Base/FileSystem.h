@@ -127,6 +127,9 @@ public:
   virtual Status SyncDirectory(const std::string& path) = 0;
 };
 
+/// The path with a dot before its name, which file dialogs and `ls` hide.
+std::string HidePath(const std::string& path);
+
 /// The local file system; any thread may use it. All files of the process share a limited number of
 /// descriptors (DescriptorPool). What is no regular file is refused at once, without waiting.
 FileSystem& GetLocalFileSystem();

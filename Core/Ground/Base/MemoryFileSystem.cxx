@@ -106,7 +106,8 @@ MemoryFileSystem::MemoryFileSystem(FileSystem& others, std::string prefix, std::
 
 Status MemoryFileSystem::CheckPath(const std::string& path) const
 {
-  return path.compare(0, this->Prefix.size(), this->Prefix) == 0
+  return path.compare(0, this->Prefix.size(), this->Prefix) == 0 ||
+      path.compare(0, this->Prefix.size() + 1, HidePath(this->Prefix)) == 0
     ? Status::Ok()
     : Status(StatusCode::IoError, path + ": cannot be written: it is not kept in memory");
 }

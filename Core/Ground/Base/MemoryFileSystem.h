@@ -15,9 +15,9 @@ namespace isosurface
 {
 
 /**
- * Keeps in memory, up to a limit, the files whose paths begin with a given text; all others are read
- * from another file system, and cannot be written. Several threads may use it. It must outlive its
- * files.
+ * Keeps in memory, up to a limit, the files whose paths begin with a given text, or with HidePath() of
+ * it; all others are read from another file system, and cannot be written. Several threads may use it.
+ * It must outlive its files.
  *
  * Errors are those of FileSystem; DiskFull beyond the limit.
  */
@@ -43,7 +43,7 @@ private:
   class Reader;
   class Writer;
 
-  /// Ok if the path begins with the prefix.
+  /// Ok if the path begins with the prefix, hidden or not.
   Status CheckPath(const std::string& path) const;
   /// Null if there is none.
   std::shared_ptr<Content> Find(const std::string& path);

@@ -43,6 +43,12 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& pa
       ISOSURFACE_RETURN_IF_ERROR(text.GetStatus());
       auto header = BlockedVolumeHeader::Parse(*text, path);
       ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+      const std::string stores = GetStoresFolder(fileSystem, path);
+      if (!fileSystem.Exists(stores))
+      {
+        return Status(StatusCode::NotFound,
+          path + ": its folder " + stores + " is missing; copy or move both together");
+      }
       return std::shared_ptr<BlockedVolume>(
         new BlockedVolume({ path, *text, std::move(*header) }, fileSystem, cache, opener));
     });

@@ -345,9 +345,10 @@ BlockedVolumeHeader BlockedVolumeHeader::MakeOverview(std::size_t overview) cons
   return header;
 }
 
-std::string GetStoresFolder(const std::string& path)
+std::string GetStoresFolder(FileSystem& files, const std::string& path)
 {
-  return path + ".stores";
+  const std::string shown = path + ".stores";
+  return files.Exists(shown) ? shown : HidePath(shown);
 }
 
 std::string GetOverviewFolder(const std::string& generation, std::size_t overview)
@@ -356,17 +357,18 @@ std::string GetOverviewFolder(const std::string& generation, std::size_t overvie
 }
 
 std::string GetStoreFolder(
-  const std::string& path, const std::string& generation, std::uint32_t store)
+  FileSystem& files, const std::string& path, const std::string& generation, std::uint32_t store)
 {
   char name[32];
   std::snprintf(name, sizeof(name), "/store-%05u", store);
-  return GetStoresFolder(path) + "/" + generation + name;
+  return GetStoresFolder(files, path) + "/" + generation + name;
 }
 
-std::string GetReplicaFolder(const std::string& path, const std::string& generation,
-  std::uint32_t store, std::uint32_t replica, std::uint32_t stores)
+std::string GetReplicaFolder(FileSystem& files, const std::string& path,
+  const std::string& generation, std::uint32_t store, std::uint32_t replica, std::uint32_t stores)
 {
-  const std::string folder = GetStoreFolder(path, generation, FindHost(store, replica, stores));
+  const std::string folder =
+    GetStoreFolder(files, path, generation, FindHost(store, replica, stores));
   return replica == 0 ? folder : folder + "/replica-" + std::to_string(replica);
 }
 

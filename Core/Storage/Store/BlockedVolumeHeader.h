@@ -151,13 +151,14 @@ struct BlockedVolumeHeader
   static Result<BlockedVolumeHeader> Read(FileSystem& files, const std::string& path);
 };
 
-/// The folder that holds the stores of all time steps of a blocked volume: path + ".stores".
-std::string GetStoresFolder(const std::string& path);
+/// The folder that holds the stores of all time steps of a blocked volume: .NAME.bvol.stores, which file
+/// dialogs hide; NAME.bvol.stores if there is one, as of all volumes of version 1.0.0.
+std::string GetStoresFolder(FileSystem& files, const std::string& path);
 /// The folder of an overview (from 0) in a time step's folder: 000001/overview-1.
 std::string GetOverviewFolder(const std::string& generation, std::size_t overview);
-/// The folder of one store: NAME.bvol.stores/000001/store-00000; generation: that of the time step.
+/// The folder of one store: .NAME.bvol.stores/000001/store-00000; generation: that of the time step.
 std::string GetStoreFolder(
-  const std::string& path, const std::string& generation, std::uint32_t store);
+  FileSystem& files, const std::string& path, const std::string& generation, std::uint32_t store);
 /// The store whose folder has a replica of a store.
 inline std::uint32_t FindHost(std::uint32_t store, std::uint32_t replica, std::uint32_t stores)
 {
@@ -165,8 +166,8 @@ inline std::uint32_t FindHost(std::uint32_t store, std::uint32_t replica, std::u
 }
 /// The folder of a replica of a store: that of the store for replica 0, else replica-1 ... in the
 /// folder of FindHost().
-std::string GetReplicaFolder(const std::string& path, const std::string& generation,
-  std::uint32_t store, std::uint32_t replica, std::uint32_t stores);
+std::string GetReplicaFolder(FileSystem& files, const std::string& path,
+  const std::string& generation, std::uint32_t store, std::uint32_t replica, std::uint32_t stores);
 
 } // namespace isosurface
 

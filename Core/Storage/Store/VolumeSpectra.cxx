@@ -18,9 +18,10 @@ VolumeSpectra::Spectrum Share(WorkloadSpectrum&& spectrum)
 
 } // namespace
 
-std::string VolumeSpectra::GetPath(const std::string& volumePath, const std::string& generation)
+std::string VolumeSpectra::GetPath(
+  FileSystem& files, const std::string& volumePath, const std::string& generation)
 {
-  return GetStoresFolder(volumePath) + "/" + generation + "/spectra";
+  return GetStoresFolder(files, volumePath) + "/" + generation + "/spectra";
 }
 
 std::uint64_t VolumeSpectra::GetIdentity(const TimeStepDescription& step)
@@ -37,8 +38,8 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& fil
   const std::string& volumePath, const TimeStepDescription& step, std::size_t variables)
 {
   auto result = std::make_shared<VolumeSpectra>();
-  auto file = SpectraFile::Open(
-    files, GetPath(volumePath, step.Folder), GetIdentity(step), variables, step.Stores.size());
+  auto file = SpectraFile::Open(files, GetPath(files, volumePath, step.Folder), GetIdentity(step),
+    variables, step.Stores.size());
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   result->File = std::move(*file);
   for (std::size_t variable = 0; variable < variables; ++variable)

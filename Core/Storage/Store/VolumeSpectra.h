@@ -27,7 +27,8 @@ public:
   using Spectrum = std::shared_ptr<const WorkloadSpectrum>;
 
   /// The file of a time step.
-  static std::string GetPath(const std::string& volumePath, const std::string& generation);
+  static std::string GetPath(
+    FileSystem& files, const std::string& volumePath, const std::string& generation);
 
   /// What the file has in its header: it belongs to these stores, whose checksums are known.
   static std::uint64_t GetIdentity(const TimeStepDescription& step);

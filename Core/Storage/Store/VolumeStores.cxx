@@ -114,7 +114,8 @@ void VolumeStores::ReplicaErrors::Add(
   const std::uint32_t stores = header.NumberOfStores;
   const std::uint32_t host = FindHost(this->Preferred.Store, replica, stores);
   const std::string& folder = header.TimeSteps[this->Preferred.TimeStep].Folder;
-  if (!this->Stores.Files.Exists(GetStoreFolder(this->Stores.Layout.GetPath(), folder, host)))
+  if (!this->Stores.Files.Exists(
+        GetStoreFolder(this->Stores.Files, this->Stores.Layout.GetPath(), folder, host)))
   {
     for (std::uint32_t lost = 0; lost < header.NumberOfReplicas; ++lost)
     {
@@ -299,8 +300,8 @@ Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(const StoreReplica& r
     source = *samples;
   }
   auto opened = BlockStore::Open(this->Files,
-    GetReplicaFolder(
-      this->Layout.GetPath(), step.Folder, replica.Store, replica.Replica, header.NumberOfStores),
+    GetReplicaFolder(this->Files, this->Layout.GetPath(), step.Folder, replica.Store,
+      replica.Replica, header.NumberOfStores),
     header, step.Stores[replica.Store], source);
   // If the volume was rewritten, that explains any error; and a new folder of the same name would
   // go unnoticed without this check.

@@ -39,7 +39,8 @@ public:
     std::vector<std::string> damaged;
     for (std::uint32_t replica = 0; replica < this->Header.NumberOfReplicas; ++replica)
     {
-      const std::string folder = GetReplicaFolder(this->Path, step.Folder, store, replica, stores);
+      const std::string folder =
+        GetReplicaFolder(this->Files, this->Path, step.Folder, store, replica, stores);
       // Of a repair that was killed.
       ISOSURFACE_RETURN_IF_ERROR(this->Files.RemoveAll(GetPartialFolder(folder)));
       const bool isSound =
@@ -120,7 +121,7 @@ Result<VolumeRepair> RepairBlockedVolume(
     return Status(StatusCode::InvalidArgument,
       path + ": cannot be repaired: it was written without replicas (--replicas)");
   }
-  const auto lock = files.LockFolder(GetStoresFolder(path));
+  const auto lock = files.LockFolder(GetStoresFolder(files, path));
   ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
   std::vector<BlockedVolumeHeader> parts = { *header };
   double stores = header->NumberOfStores;

@@ -109,7 +109,7 @@ private:
       if (!hasSum || !HaveEqualCounts(sum, total))
       {
         return Status(StatusCode::Corrupt,
-          VolumeSpectra::GetPath(this->Path, step.Folder) +
+          VolumeSpectra::GetPath(this->Files, this->Path, step.Folder) +
             ": the stores' spectra do not add up to the volume's");
       }
     }
@@ -156,7 +156,8 @@ private:
       {
         stores.push_back(std::make_unique<StoreVerification>(this->Files, variables, grid,
           step.Stores[store],
-          GetReplicaFolder(this->Path, step.Folder, store, replica, header.NumberOfStores),
+          GetReplicaFolder(
+            this->Files, this->Path, step.Folder, store, replica, header.NumberOfStores),
           step.Source ? SamplePlace::Source : SamplePlace::Store, replica == 0 ? source : nullptr));
       }
     }
@@ -245,7 +246,8 @@ private:
       for (std::uint32_t replica = 0; replica < header.NumberOfReplicas; ++replica)
       {
         isAnySound = isAnySound || areSound[replica * stores + store];
-        folders.push_back(GetReplicaFolder(this->Path, step.Folder, store, replica, stores));
+        folders.push_back(
+          GetReplicaFolder(this->Files, this->Path, step.Folder, store, replica, stores));
       }
       const Status whole = isAnySound
         ? Status::Ok()
@@ -264,7 +266,7 @@ private:
     {
       if (isDamaged[host])
       {
-        this->Found.Repairs.push_back(GetStoreFolder(this->Path, step.Folder, host) +
+        this->Found.Repairs.push_back(GetStoreFolder(this->Files, this->Path, step.Folder, host) +
           (obstacles[host].empty()
               ? ": is damaged; --repair can restore it"
               : ": is damaged; --repair cannot restore all of it: " + obstacles[host]));

@@ -38,7 +38,8 @@ Result<WriteStatistics> BlockedVolumeWriteJob::Run(const GridGeometry& grid,
     {
       if (this->KeepsJournal() && !this->Journal.Finished)
       {
-        static_cast<void>(this->Context.Files.RemoveAll(WriteJournal::GetPath(this->Context.Path)));
+        static_cast<void>(this->Context.Files.RemoveAll(
+          WriteJournal::GetPath(this->Context.Files, this->Context.Path)));
       }
       GenerationFolder::Discard(this->Context.Files, this->Context.Path, this->NewFolder);
     }
@@ -55,7 +56,8 @@ Status BlockedVolumeWriteJob::LockVolume()
     return Status::Ok();
   }
   ISOSURFACE_RETURN_IF_ERROR(this->Context.Files.CheckRegular(this->Context.Path, "write"));
-  auto lock = this->Context.Files.LockFolder(GetStoresFolder(this->Context.Path));
+  auto lock =
+    this->Context.Files.LockFolder(GetStoresFolder(this->Context.Files, this->Context.Path));
   if (lock.IsOk())
   {
     this->Lock = std::move(*lock);
@@ -341,8 +343,8 @@ Status BlockedVolumeWriteJob::Commit()
       const std::string& folder = header.TimeSteps.back().Folder;
       for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
       {
-        ISOSURFACE_RETURN_IF_ERROR(
-          files.SyncDirectory(GetStoresFolder(path) + "/" + GetOverviewFolder(folder, overview)));
+        ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(
+          GetStoresFolder(files, path) + "/" + GetOverviewFolder(folder, overview)));
       }
       ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(this->Volume->GetFolder()));
       if (!this->Context.Settings.Publish)
@@ -355,7 +357,7 @@ Status BlockedVolumeWriteJob::Commit()
       ISOSURFACE_RETURN_IF_ERROR(GenerationFolder::Commit(files, path, header, this->IsVisible));
       if (this->KeepsJournal())
       {
-        static_cast<void>(files.RemoveAll(WriteJournal::GetPath(path)));
+        static_cast<void>(files.RemoveAll(WriteJournal::GetPath(files, path)));
       }
       GenerationFolder::RemoveOlder(files, path, folder, header);
       return Status::Ok();

@@ -51,9 +51,9 @@ void GenerationFolder::RemoveUnnamed(
   }
   if (!isJournaled)
   {
-    static_cast<void>(files.RemoveAll(WriteJournal::GetPath(path)));
+    static_cast<void>(files.RemoveAll(WriteJournal::GetPath(files, path)));
   }
-  const auto names = files.List(GetStoresFolder(path));
+  const auto names = files.List(GetStoresFolder(files, path));
   for (std::size_t index = 0; names.IsOk() && index < names->size(); ++index)
   {
     const std::string& name = (*names)[index];
@@ -61,14 +61,14 @@ void GenerationFolder::RemoveUnnamed(
       [&](const TimeStepDescription& step) { return step.Folder == name; });
     if (FindNumber(name) && !isNamed)
     {
-      static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + name));
+      static_cast<void>(files.RemoveAll(GetStoresFolder(files, path) + "/" + name));
     }
   }
 }
 
 void GenerationFolder::RemoveUnfinished(FileSystem& files, const std::string& path)
 {
-  const std::string folder = GetStoresFolder(path);
+  const std::string folder = GetStoresFolder(files, path);
   if (!files.Exists(folder))
   {
     return;
@@ -87,14 +87,14 @@ void GenerationFolder::RemoveUnfinished(FileSystem& files, const std::string& pa
     kept.TimeSteps.emplace_back().Folder = journal->Folder;
   }
   RemoveUnnamed(files, path, kept, journal.IsOk());
-  static_cast<void>(files.RemoveAll(WriteJournal::GetPath(path) + ".partial"));
+  static_cast<void>(files.RemoveAll(WriteJournal::GetPath(files, path) + ".partial"));
   static_cast<void>(files.RemoveAll(GetPartialPath(path)));
   Discard(files, path, "");
 }
 
 Result<std::string> GenerationFolder::Create(FileSystem& files, const std::string& path)
 {
-  const auto names = files.List(GetStoresFolder(path));
+  const auto names = files.List(GetStoresFolder(files, path));
   ISOSURFACE_RETURN_IF_ERROR(names.GetStatus());
   std::uint64_t last = 0;
   for (const std::string& name : *names)
@@ -104,7 +104,7 @@ Result<std::string> GenerationFolder::Create(FileSystem& files, const std::strin
   char name[32];
   const std::uint64_t next = last + 1;
   std::snprintf(name, sizeof(name), "%06llu", static_cast<unsigned long long>(next));
-  const std::string folder = GetStoresFolder(path) + "/" + name;
+  const std::string folder = GetStoresFolder(files, path) + "/" + name;
   ISOSURFACE_RETURN_IF_ERROR(files.MakeNewDirectory(folder));
   return std::string(name);
 }
@@ -126,7 +126,7 @@ Status GenerationFolder::Commit(
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR((*file)->Append(text.data(), text.size()));
   ISOSURFACE_RETURN_IF_ERROR((*file)->SyncAndClose());
-  ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(GetStoresFolder(path)));
+  ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(GetStoresFolder(files, path)));
   ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(GetParent(path)));
   ISOSURFACE_RETURN_IF_ERROR(files.Rename(partial, path));
   isVisible = true;
@@ -136,7 +136,7 @@ Status GenerationFolder::Commit(
 void GenerationFolder::RemoveOlder(FileSystem& files, const std::string& path,
   const std::string& current, const BlockedVolumeHeader& header)
 {
-  const auto names = files.List(GetStoresFolder(path));
+  const auto names = files.List(GetStoresFolder(files, path));
   if (!names.IsOk())
   {
     return;
@@ -147,7 +147,7 @@ void GenerationFolder::RemoveOlder(FileSystem& files, const std::string& path,
     // Higher numbers belong to another writer at work.
     if (number && *number < FindNumber(current).value_or(0) && !header.HasFolder(name))
     {
-      static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + name));
+      static_cast<void>(files.RemoveAll(GetStoresFolder(files, path) + "/" + name));
     }
   }
 }
@@ -180,12 +180,12 @@ void GenerationFolder::Discard(
   if (!current.empty())
   {
     static_cast<void>(files.RemoveAll(GetPartialPath(path)));
-    static_cast<void>(files.RemoveAll(GetStoresFolder(path) + "/" + current));
+    static_cast<void>(files.RemoveAll(GetStoresFolder(files, path) + "/" + current));
   }
-  const auto names = files.List(GetStoresFolder(path));
+  const auto names = files.List(GetStoresFolder(files, path));
   if (names.IsOk() && names->empty())
   {
-    static_cast<void>(files.RemoveAll(GetStoresFolder(path)));
+    static_cast<void>(files.RemoveAll(GetStoresFolder(files, path)));
   }
 }
 

@@ -18,16 +18,16 @@ namespace isosurface
  *
  *     NAME.bvol                           the header; replaced by a rename, last of all
  *     NAME.bvol.partial                   the next header, while it is being written
- *     NAME.bvol.stores/000001/            the generation that the header names, until then
- *     NAME.bvol.stores/000002/            the one being written
+ *     .NAME.bvol.stores/000001/            the generation that the header names, until then
+ *     .NAME.bvol.stores/000002/            the one being written
  *         spectra
  *         store-00000/  store-00001/  ...
  *
- *     NAME.bvol.stores/journal            what is finished of it (WriteJournal), if anybody wants that
+ *     .NAME.bvol.stores/journal            what is finished of it (WriteJournal), if anybody wants that
  *
  * A writer that is killed leaves the header and its generation unchanged, and folders that no
  * header names. The next write goes on with them, or removes them first, to free space. One rank does all of this, and
- * holds the lock of NAME.bvol.stores/ (FileSystem::LockFolder) meanwhile.
+ * holds the lock of .NAME.bvol.stores/ (FileSystem::LockFolder) meanwhile.
  */
 class GenerationFolder
 {

@@ -54,7 +54,8 @@ ResolutionWriter::ResolutionWriter(const WriteContext& context, BoxSource& sourc
 
 std::string ResolutionWriter::GetFolder() const
 {
-  return GetStoresFolder(this->Context.Path) + "/" + this->Header.TimeSteps.back().Folder;
+  return GetStoresFolder(this->Context.Files, this->Context.Path) + "/" +
+    this->Header.TimeSteps.back().Folder;
 }
 
 /// The boxes that the sources of the ranks have.
@@ -495,7 +496,7 @@ Status ResolutionWriter::ShareSpectra()
       return this->Context.Rank != 0
         ? Status::Ok()
         : SpectraFile::Write(this->Context.Files,
-            VolumeSpectra::GetPath(this->Context.Path, this->GetStep().Folder),
+            VolumeSpectra::GetPath(this->Context.Files, this->Context.Path, this->GetStep().Folder),
             VolumeSpectra::GetIdentity(this->GetStep()), totals,
             this->Counts->GetSpectra().Unpack(incoming));
     }));

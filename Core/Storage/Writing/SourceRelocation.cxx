@@ -56,7 +56,7 @@ Status RelocateSource(FileSystem& files, VolumeOpener opener, const std::string&
   {
     return Status(StatusCode::NotFound, path + ": there is no such file");
   }
-  const auto lock = files.LockFolder(GetStoresFolder(path));
+  const auto lock = files.LockFolder(GetStoresFolder(files, path));
   ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
   auto header = BlockedVolumeHeader::Read(files, path);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());

@@ -14,10 +14,10 @@ Status ReplicateStore(FileSystem& files, const std::string& path, const BlockedV
   const std::string& generation = header.TimeSteps.back().Folder;
   const std::uint32_t stores = header.NumberOfStores;
   const std::vector<std::string> originals =
-    BlockStore::ListPaths(GetStoreFolder(path, generation, store), variables);
+    BlockStore::ListPaths(GetStoreFolder(files, path, generation, store), variables);
   for (std::uint32_t replica = 1; replica < header.NumberOfReplicas; ++replica)
   {
-    const std::string folder = GetReplicaFolder(path, generation, store, replica, stores);
+    const std::string folder = GetReplicaFolder(files, path, generation, store, replica, stores);
     ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
     const std::vector<std::string> copies = BlockStore::ListPaths(folder, variables);
     for (std::size_t file = 0; file < copies.size(); ++file)
@@ -25,8 +25,8 @@ Status ReplicateStore(FileSystem& files, const std::string& path, const BlockedV
       ISOSURFACE_RETURN_IF_ERROR(CopyFile(files, originals[file], files, copies[file]));
     }
     ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(folder));
-    ISOSURFACE_RETURN_IF_ERROR(
-      files.SyncDirectory(GetStoreFolder(path, generation, FindHost(store, replica, stores))));
+    ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(
+      GetStoreFolder(files, path, generation, FindHost(store, replica, stores))));
   }
   return Status::Ok();
 }

@@ -18,9 +18,9 @@ constexpr std::int64_t JournalVersion = 1;
 
 } // namespace
 
-std::string WriteJournal::GetPath(const std::string& volumePath)
+std::string WriteJournal::GetPath(FileSystem& files, const std::string& volumePath)
 {
-  return GetStoresFolder(volumePath) + "/journal";
+  return GetStoresFolder(files, volumePath) + "/journal";
 }
 
 std::uint64_t WriteJournal::ComputePlan(const BlockedVolumeHeader& planned)
@@ -37,28 +37,27 @@ Status WriteJournal::Write(FileSystem& files, const std::string& volumePath) con
       { "stores", this->NumberOfStores }, { "folder", this->Folder },
       { "plan", FormatChecksum(this->Plan) }, { "blocks", this->Blocks },
       { "checkpoint", this->Checkpoint } });
-  const std::string path = GetPath(volumePath);
+  const std::string path = GetPath(files, volumePath);
   const std::string partial = path + ".partial";
   auto file = files.CreateForWriting(partial);
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   ISOSURFACE_RETURN_IF_ERROR((*file)->Append(text.data(), text.size()));
   ISOSURFACE_RETURN_IF_ERROR((*file)->SyncAndClose());
   ISOSURFACE_RETURN_IF_ERROR(files.Rename(partial, path));
-  return files.SyncDirectory(GetStoresFolder(volumePath));
+  return files.SyncDirectory(GetStoresFolder(files, volumePath));
 }
 
 Result<std::string> WriteJournal::ReadText(FileSystem& files, const std::string& volumePath)
 {
-  const auto file = files.OpenForReading(GetPath(volumePath));
+  const auto file = files.OpenForReading(GetPath(files, volumePath));
   ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
   std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
   ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
   return text;
 }
 
-Result<WriteJournal> WriteJournal::Parse(const std::string& text, const std::string& volumePath)
+Result<WriteJournal> WriteJournal::Parse(const std::string& text, const std::string& path)
 {
-  const std::string path = GetPath(volumePath);
   const auto document = ParseDocument(text, path, JournalFormat, JournalVersion);
   ISOSURFACE_RETURN_IF_ERROR(document.GetStatus());
   constexpr std::int64_t any = std::numeric_limits<std::int64_t>::max();

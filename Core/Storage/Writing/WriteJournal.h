@@ -15,7 +15,7 @@ namespace isosurface
 
 /**
  * What is on stable storage of a write that is not finished, so that a later one goes on there: the
- * file NAME.bvol.stores/journal, JSON as the header of a volume, replaced by a rename. It names a
+ * file .NAME.bvol.stores/journal, JSON as the header of a volume, replaced by a rename. It names a
  * checkpoint that the journals of all stores have (StoreJournal), so it is written after these. The
  * number of ranks does not matter.
  */
@@ -31,14 +31,14 @@ struct WriteJournal
   std::int64_t Blocks = 0;
   std::int64_t Checkpoint = 0;
 
-  static std::string GetPath(const std::string& volumePath);
+  static std::string GetPath(FileSystem& files, const std::string& volumePath);
   static std::uint64_t ComputePlan(const BlockedVolumeHeader& planned);
 
   /// Replaces the file.
   Status Write(FileSystem& files, const std::string& volumePath) const;
   static Result<std::string> ReadText(FileSystem& files, const std::string& volumePath);
-  /// Parses the text of the file. Errors: Corrupt, Unsupported.
-  static Result<WriteJournal> Parse(const std::string& text, const std::string& volumePath);
+  /// Parses the text of the file. Errors name `path`: Corrupt, Unsupported.
+  static Result<WriteJournal> Parse(const std::string& text, const std::string& path);
 
   /// Whether the last time step of a header is the one in progress.
   bool IsInProgress(const BlockedVolumeHeader& planned) const

@@ -81,11 +81,13 @@ private:
   }
   std::string GetFolder() const
   {
-    return GetStoresFolder(this->Context.Path) + "/" + this->Header.TimeSteps.back().Folder;
+    return GetStoresFolder(this->Context.Files, this->Context.Path) + "/" +
+      this->Header.TimeSteps.back().Folder;
   }
   std::string GetStorePath(std::uint32_t store) const
   {
-    return GetStoreFolder(this->Context.Path, this->Header.TimeSteps.back().Folder, store);
+    return GetStoreFolder(
+      this->Context.Files, this->Context.Path, this->Header.TimeSteps.back().Folder, store);
   }
 
   const WriteContext& Context;

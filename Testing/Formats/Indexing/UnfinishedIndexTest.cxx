@@ -336,7 +336,7 @@ namespace
 /// the source was modified.
 std::map<std::string, std::string> ReadStores(const std::string& folder)
 {
-  const std::filesystem::path stores = folder + "/" + IndexName + ".stores";
+  const std::filesystem::path stores = folder + "/" + HidePath(IndexName + ".stores");
   std::map<std::string, std::string> files;
   if (!std::filesystem::exists(stores)) // nothing was written yet
   {
@@ -395,7 +395,7 @@ void RemoveUnfinished(const std::string& folder)
   if (found == before.end())
   {
     // A program that is killed as it ends has finished the index.
-    EXPECT_EQ(std::filesystem::exists(path + ".stores"), std::filesystem::exists(path));
+    EXPECT_EQ(std::filesystem::exists(HidePath(path + ".stores")), std::filesystem::exists(path));
     return;
   }
   // The index that a program has finished is replaced by the next program's.

@@ -153,7 +153,7 @@ TEST(VolumeInPlace, ALostOrDamagedStoreIsReadFromItsReplicaAndRestored)
   settings.NumberOfReplicas = 2;
   made.Write(settings);
   const auto files = made.Disk.Copy();
-  const std::string store = VolumePath + ".stores/000002/store-00001";
+  const std::string store = HidePath(VolumePath + ".stores") + "/000002/store-00001";
   const std::vector<std::function<void()>> damages = {
     [&] { EXPECT_TRUE(made.Disk.RemoveAll(store).IsOk()); },
     [&] { made.Disk.GetFile(store + "/blocks")[2] ^= 1; },

@@ -39,14 +39,15 @@ protected:
 TEST_F(MemoryFileSystemTest, KeepsFilesUnderItsPrefixAndReadsOthers)
 {
   this->Others.SetFile("/read-only/source", { 'a' });
-  this->Write(Prefix + ".stores/1/block", "samples");
+  this->Write(HidePath(Prefix + ".stores") + "/1/block", "samples");
   this->Write(Prefix + ".partial", "header");
   ASSERT_TRUE(this->Files.Rename(Prefix + ".partial", Prefix).IsOk());
   EXPECT_EQ(this->Read(Prefix), "header");
-  EXPECT_EQ(this->Read(Prefix + ".stores/1/block"), "samples");
+  EXPECT_EQ(this->Read(HidePath(Prefix + ".stores") + "/1/block"), "samples");
   EXPECT_EQ(this->Read("/read-only/source"), "a");
-  EXPECT_EQ(Require(this->Files.List(Prefix + ".stores")), std::vector<std::string>{ "1" });
-  EXPECT_TRUE(this->Files.Exists(Prefix + ".stores"));
+  EXPECT_EQ(
+    Require(this->Files.List(HidePath(Prefix + ".stores"))), std::vector<std::string>{ "1" });
+  EXPECT_TRUE(this->Files.Exists(HidePath(Prefix + ".stores")));
   EXPECT_TRUE(this->Files.Exists("/read-only/source"));
   EXPECT_FALSE(this->Files.Exists(Prefix + ".partial"));
   EXPECT_EQ(this->Others.GetFiles().size(), 1u) << "something was written beside it";

@@ -216,7 +216,7 @@ TEST_P(RankFaults, OfWritingAVolumeAreThoseOfAll)
       return;
     }
     // The new volume is there: back to the old one.
-    ASSERT_TRUE(this->Disk.RemoveAll(VolumePath + ".stores").IsOk());
+    ASSERT_TRUE(this->Disk.RemoveAll(HidePath(VolumePath + ".stores")).IsOk());
     for (const auto& file : before)
     {
       ASSERT_TRUE(this->Disk.MakeDirectories(file.first.substr(0, file.first.rfind('/'))).IsOk());

@@ -19,7 +19,7 @@ namespace
 constexpr double ReplicatedIsovalue = 30;
 constexpr std::uint32_t Stores = 5;
 const Index3 Size = { 60, 44, 38 };
-const std::string Folder = VolumePath + ".stores/000001";
+const std::string Folder = HidePath(VolumePath + ".stores") + "/000001";
 
 const SampleVolume<std::int16_t>& GetSamples()
 {
@@ -36,7 +36,8 @@ BlockedVolumeSettings MakeReplicated(std::uint32_t replicas, std::uint32_t store
 
 std::string StorePath(std::uint32_t store)
 {
-  return GetStoreFolder(VolumePath, "000001", store);
+  MemoryDisk empty;
+  return GetStoreFolder(empty, VolumePath, "000001", store);
 }
 
 // Flips a byte of the first record of a replica, or of all pages.
@@ -383,7 +384,8 @@ TEST(Replicas, AnAppendedTimeStepHasThoseOfTheVolume)
   settings.NumberOfReplicas = 0;
   settings.Time = 2;
   WriteVolumeOk(disk, GetSamples(), settings);
-  EXPECT_TRUE(disk.Exists(VolumePath + ".stores/000002/store-00001/replica-1/blocks"));
+  EXPECT_TRUE(
+    disk.Exists(HidePath(VolumePath + ".stores") + "/000002/store-00001/replica-1/blocks"));
   settings.NumberOfReplicas = 3;
   settings.Time = 3;
   const auto refused = WriteVolume(disk, GetSamples(), settings);

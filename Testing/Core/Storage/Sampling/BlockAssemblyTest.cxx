@@ -79,7 +79,7 @@ TEST(BlockAssembly, ReportsTheErrorOfABlock)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }), MakeSettings(16, 1));
-  disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
+  disk.GetFile(GetStoreFolder(disk, VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
   const auto volume = OpenVolume(disk);
   const BlockBox box = PartitionBlocks(volume->GetBlockGrid(), 0, 1);
   std::vector<std::uint8_t> samples(static_cast<std::size_t>(

@@ -228,6 +228,6 @@ TEST(PointSampling, TellsOfADamagedBlockAndStopsOnRequest)
       values.data(), 1, isInside.data(), statistics, progress);
   };
   EXPECT_EQ(sample([](double) { return false; }).GetCode(), StatusCode::Aborted);
-  disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
+  disk.GetFile(GetStoreFolder(disk, VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
   ExpectError(sample({}), StatusCode::Corrupt, "blocks");
 }

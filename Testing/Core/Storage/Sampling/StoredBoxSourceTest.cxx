@@ -99,7 +99,7 @@ TEST(StoredBoxSource, AVolumeThatIsWrittenAnewHasTheFilesOfTheFirst)
                                 volume->GetHeader().Arrays, **source, MakeSettings(32, 2));
         ASSERT_TRUE(result.IsOk()) << result.GetStatus().GetMessage();
       });
-    const std::string blocks = GetStoreFolder(VolumePath, "000001", 0) + "/blocks";
+    const std::string blocks = GetStoreFolder(again, VolumePath, "000001", 0) + "/blocks";
     EXPECT_EQ(again.GetFile(blocks), first.GetFile(blocks));
   }
 }
@@ -108,7 +108,7 @@ TEST(StoredBoxSource, TellsOfADamagedBlock)
 {
   MemoryDisk disk;
   WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }), MakeSettings(16, 1));
-  disk.GetFile(GetStoreFolder(VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
+  disk.GetFile(GetStoreFolder(disk, VolumePath, "000001", 0) + "/blocks")[100] ^= 1;
   const auto source = Require(StoredBoxSource::Make(OpenVolume(disk), 0, { 0 }, 2));
   const auto samples = source->Read(source->GetBox());
   ExpectError(samples.GetStatus(), StatusCode::Corrupt, "blocks");

@@ -194,7 +194,7 @@ TEST(BlockedVolumeComponents, HaveATreeEachAndOneForTheMagnitude)
 {
   MemoryDisk disk;
   VectorVolume<float>().Write(disk, MakeSettings(16, 1), 1);
-  const auto names = Require(disk.List(VolumePath + ".stores/000001/store-00000"));
+  const auto names = Require(disk.List(HidePath(VolumePath + ".stores") + "/000001/store-00000"));
   EXPECT_EQ(names,
     (std::vector<std::string>{ "array-0.tree", "array-1-component-0.tree",
       "array-1-component-1.tree", "array-1-component-2.tree", "array-1-magnitude.tree", "blocks",

@@ -100,7 +100,7 @@ TEST(BlockedVolumeCompression, RefusesLevelsThatACodecDoesNotHave)
 TEST(BlockedVolumeCompression, HostileSegmentsWithRightChecksumsAreRefused)
 {
   const auto volume = MakeVolume<std::uint8_t>({ 20, 20, 20 });
-  const std::string path = VolumePath + ".stores/000001/store-00000/blocks";
+  const std::string path = HidePath(VolumePath + ".stores") + "/000001/store-00000/blocks";
   for (const SegmentCodec codec : { SegmentCodec::Lz4, SegmentCodec::Zstd })
   {
     BlockedVolumeSettings settings = MakeCompressed(codec);

@@ -111,9 +111,11 @@ TEST(BlockedVolumeHeader, NamesReplicasOnlyIfThereAreSome)
   const auto parsed = Require(BlockedVolumeHeader::Parse(header.Format(), Path));
   EXPECT_EQ(parsed.NumberOfReplicas, 2u);
   EXPECT_EQ(parsed.Format(), header.Format());
-  EXPECT_EQ(GetReplicaFolder("/a.bvol", "000001", 1, 0, 2), "/a.bvol.stores/000001/store-00001");
+  MemoryDisk disk;
   EXPECT_EQ(
-    GetReplicaFolder("/a.bvol", "000001", 1, 1, 2), "/a.bvol.stores/000001/store-00000/replica-1");
+    GetReplicaFolder(disk, "/a.bvol", "000001", 1, 0, 2), "/.a.bvol.stores/000001/store-00001");
+  EXPECT_EQ(GetReplicaFolder(disk, "/a.bvol", "000001", 1, 1, 2),
+    "/.a.bvol.stores/000001/store-00000/replica-1");
 }
 
 TEST(BlockedVolumeHeader, HasARangeOfEachComponentAndOfEachMagnitude)

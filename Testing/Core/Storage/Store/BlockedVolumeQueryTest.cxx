@@ -158,7 +158,7 @@ TEST(BlockedVolumeQuery, ReportsThatTheVolumeWasRewritten)
     {
       // Then the new generation has the number of the old one.
       ASSERT_TRUE(disk.RemoveAll(VolumePath).IsOk());
-      ASSERT_TRUE(disk.RemoveAll(VolumePath + ".stores").IsOk());
+      ASSERT_TRUE(disk.RemoveAll(HidePath(VolumePath + ".stores")).IsOk());
     }
     WriteVolumeOk(disk, MakeVolume<std::uint8_t>({ 40, 40, 40 }, 9), MakeSettings(16, 2));
     const auto share = FindActiveBlocks(*opened, { { 0, 0, { 50 } }, 1, 2 }, statistics);

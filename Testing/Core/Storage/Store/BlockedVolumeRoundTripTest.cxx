@@ -162,6 +162,7 @@ TEST(BlockedVolumeRoundTrip, EstimatesBytesOfBillionsOfBlocksWithoutVisitingThem
   header.TimeSteps = { step };
   const std::string text = header.Format();
   MemoryDisk disk;
+  ASSERT_TRUE(disk.MakeDirectories(HidePath(VolumePath + ".stores")).IsOk());
   ASSERT_TRUE(disk.CreateForWriting(VolumePath).IsOk());
   disk.GetFile(VolumePath) = MemoryDisk::Bytes(text.begin(), text.end());
   const auto opened = OpenVolume(disk);

@@ -101,8 +101,27 @@ TEST(BlockedVolumeTimeSteps, AreReplacedAllTogetherByAWriteThatDoesNotAppend)
   AppendStep(disk, 0);
   AppendStep(disk, 1);
   WriteVolumeOk(disk, MakeStep(2), MakeSettings(16, 2));
-  EXPECT_EQ(disk.List(VolumePath + ".stores")->size(), 1u);
+  EXPECT_EQ(disk.List(HidePath(VolumePath + ".stores"))->size(), 1u);
   EXPECT_EQ(OpenVolume(disk)->GetHeader().TimeSteps.size(), 1u);
+}
+
+TEST(BlockedVolumeTimeSteps, StayInTheFolderOfRelease1WhichIsNotHidden)
+{
+  MemoryDisk disk;
+  const std::string shown = VolumePath + ".stores";
+  ASSERT_TRUE(disk.MakeDirectories(shown).IsOk());
+  AppendStep(disk, 0);
+  AppendStep(disk, 1);
+  ExpectSteps(disk, 2);
+  EXPECT_EQ(disk.List(shown)->size(), 2u);
+  WriteVolumeOk(disk, MakeStep(2), MakeSettings(16, 2));
+  EXPECT_EQ(disk.List(shown)->size(), 1u);
+  EXPECT_FALSE(disk.Exists(HidePath(shown)));
+
+  ASSERT_TRUE(disk.RemoveAll(shown).IsOk());
+  const auto opened = BlockedVolume::Open(VolumePath, disk, nullptr);
+  ExpectError(opened.GetStatus(), StatusCode::NotFound, VolumePath);
+  ExpectMessage(opened.GetStatus(), HidePath(shown) + " is missing; copy or move both together");
 }
 
 TEST(BlockedVolumeTimeSteps, MustFitTheVolumeThatTheyAreAppendedTo)
@@ -230,7 +249,7 @@ TEST(BlockedVolumeTimeSteps, BecomeVisibleTogetherWhenOneIsPublished)
         }
       });
     ExpectSteps(disk, 3);
-    EXPECT_EQ(disk.List(VolumePath + ".stores")->size(), 3u);
+    EXPECT_EQ(disk.List(HidePath(VolumePath + ".stores"))->size(), 3u);
   }
 }
 

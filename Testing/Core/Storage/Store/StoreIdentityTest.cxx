@@ -9,7 +9,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Steps = VolumePath + ".stores/";
+const std::string Steps = HidePath(VolumePath + ".stores") + "/";
 const Index3 SizeOfVolume = { 40, 33, 20 };
 
 /// Two time steps in two stores: an array of one component, and one of two. All files of one kind

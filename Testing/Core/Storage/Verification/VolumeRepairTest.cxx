@@ -9,7 +9,7 @@ using namespace isosurface;
 namespace
 {
 
-const std::string Folder = VolumePath + ".stores/000001/";
+const std::string Folder = HidePath(VolumePath + ".stores") + "/000001/";
 
 const SampleVolume<std::uint8_t>& GetSamples()
 {
@@ -228,7 +228,8 @@ TEST(VolumeRepair, RestoresTheStoresOfAllTimeSteps)
   const auto files = disk.Copy();
   for (const char* step : { "000001", "000002" })
   {
-    ASSERT_TRUE(disk.RemoveAll(VolumePath + ".stores/" + step + "/store-00002").IsOk());
+    ASSERT_TRUE(
+      disk.RemoveAll(HidePath(VolumePath + ".stores") + "/" + step + "/store-00002").IsOk());
   }
   EXPECT_EQ(Repair(disk).Restored.size(), 4u);
   EXPECT_TRUE(disk.Copy() == files);

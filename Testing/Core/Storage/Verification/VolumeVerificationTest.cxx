@@ -100,7 +100,7 @@ TEST(VolumeVerification, ReportsEveryFaultWhateverTheNumberOfThreads)
 {
   MemoryDisk disk;
   WriteVolume(disk, SegmentCodec::None);
-  const std::string stores = VerifiedPath + ".stores/000001/";
+  const std::string stores = HidePath(VerifiedPath + ".stores") + "/000001/";
   disk.GetFile(StoreRecords::GetPath(stores + "store-00000"))[100] ^= 1;
   disk.GetFile(stores + "store-00001/array-1.tree")[5000] ^= 1;
   disk.GetFile(StoreRecords::GetPath(stores + "store-00002"))[100] ^= 1;
@@ -122,7 +122,7 @@ TEST(VolumeVerification, FindsStoresOfAnotherVolume)
   MemoryDisk other;
   WriteVolume(disk, SegmentCodec::None);
   WriteVolume(other, SegmentCodec::None);
-  const std::string stores = VerifiedPath + ".stores/000001/";
+  const std::string stores = HidePath(VerifiedPath + ".stores") + "/000001/";
   for (const char* name : { "/blocks", "/directory", "/array-0.tree", "/array-1.tree" })
   {
     disk.GetFile(stores + "store-00000" + name) = other.GetFile(stores + "store-00001" + name);

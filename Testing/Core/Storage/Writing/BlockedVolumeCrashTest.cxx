@@ -84,7 +84,10 @@ protected:
   }
 
   /// The names of all that is beside and below the volume.
-  std::size_t CountGenerations() { return this->Files.List(this->Path + ".stores")->size(); }
+  std::size_t CountGenerations()
+  {
+    return this->Files.List(HidePath(this->Path + ".stores"))->size();
+  }
 
   FileSystem& Files = GetLocalFileSystem();
   std::string Folder;
@@ -148,7 +151,7 @@ TEST_F(BlockedVolumeCrash, LeavesAWholeVolumeWheneverItIsKilled)
   EXPECT_TRUE(this->Holds(even));
   EXPECT_EQ(this->CountGenerations(), 1u);
   EXPECT_EQ(*this->Files.List(this->Folder),
-    (std::vector<std::string>{ "volume.bvol", "volume.bvol.stores" }));
+    (std::vector<std::string>{ ".volume.bvol.stores", "volume.bvol" }));
 }
 
 TEST_F(BlockedVolumeCrash, LeavesAllTimeStepsWheneverAnAppendIsKilled)

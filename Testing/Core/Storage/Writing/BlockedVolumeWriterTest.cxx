@@ -22,7 +22,7 @@ constexpr DistributionMethod Methods[] = { DistributionMethod::Greedy, Distribut
 std::size_t CountFolders(const MemoryDisk& disk)
 {
   std::set<std::string> generations;
-  const std::string prefix = VolumePath + ".stores/";
+  const std::string prefix = HidePath(VolumePath + ".stores") + "/";
   for (const std::string& folder : disk.GetFolders())
   {
     if (folder.compare(0, prefix.size(), prefix) == 0)
@@ -486,18 +486,18 @@ TEST(BlockedVolumeWriter, CleansUpAfterKilledRuns)
   MemoryDisk disk;
   WriteVolumeOk(disk, volume, MakeSettings(16, 2));
   // A killed run leaves a generation without a header, and an incomplete header.
-  const std::string leftover = VolumePath + ".stores/000007";
+  const std::string leftover = HidePath(VolumePath + ".stores") + "/000007";
   ASSERT_TRUE(disk.MakeDirectories(leftover + "/store-00000").IsOk());
   ASSERT_TRUE(disk.CreateForWriting(leftover + "/store-00000/blocks").IsOk());
   ASSERT_TRUE(disk.CreateForWriting(VolumePath + ".partial").IsOk());
-  ASSERT_TRUE(disk.MakeDirectories(VolumePath + ".stores/notes").IsOk());
+  ASSERT_TRUE(disk.MakeDirectories(HidePath(VolumePath + ".stores") + "/notes").IsOk());
   EXPECT_TRUE(IsReadable(disk, volume));
   WriteVolumeOk(disk, volume, MakeSettings(16, 2));
   EXPECT_TRUE(IsReadable(disk, volume));
   EXPECT_FALSE(disk.Exists(leftover));
   EXPECT_FALSE(HasPartialHeader(disk));
-  EXPECT_TRUE(disk.Exists(VolumePath + ".stores/000008"));
-  EXPECT_TRUE(disk.Exists(VolumePath + ".stores/notes"));
+  EXPECT_TRUE(disk.Exists(HidePath(VolumePath + ".stores") + "/000008"));
+  EXPECT_TRUE(disk.Exists(HidePath(VolumePath + ".stores") + "/notes"));
 }
 
 TEST(BlockedVolumeWriter, StopsOnAllRanksWhenOneIsAsked)
