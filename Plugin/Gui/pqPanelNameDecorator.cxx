@@ -5,6 +5,7 @@
 #include "vtkPVXMLElement.h"
 
 #include <QCheckBox>
+#include <QComboBox>
 #include <QEvent>
 #include <QGridLayout>
 #include <QLabel>
@@ -17,6 +18,11 @@ pqPanelNameDecorator::pqPanelNameDecorator(vtkPVXMLElement* xml, pqPropertyWidge
   if (auto* box = parent->findChild<QCheckBox*>())
   {
     box->setText(this->Name);
+  }
+  if (auto* box = parent->findChild<QComboBox*>())
+  {
+    // A long entry would make the panel scroll sideways.
+    box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   }
   parent->installEventFilter(this); // it gets its place in the panel, and its label, later
 }

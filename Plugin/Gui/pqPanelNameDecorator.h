@@ -4,7 +4,8 @@
  * @brief   another name of a property in panels
  *
  * In a panel: PropertyWidgetDecorator type="PanelName" text="Keep the largest (0: all)" at the property. The
- * property's label stays as it is, because Python's name of the property is made of that.
+ * property's label stays as it is, because Python's name of the property is made of that. A choice gets no wider than
+ * the panel.
  */
 
 #ifndef pqPanelNameDecorator_h

@@ -26,6 +26,7 @@ pqSpinBoxWidget::pqSpinBoxWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWi
   const bool hasMaximum = range && range->GetMaximumExists(0);
   box->setMinimum(range && range->GetMinimumExists(0) ? range->GetMinimum(0) : 0);
   box->setMaximum(hasMaximum ? range->GetMaximum(0) : LargestNumber);
+  box->setMinimumWidth(60); // the largest number would make the panel scroll sideways
   auto* row = new QHBoxLayout(this);
   row->setContentsMargins(0, 0, 0, 0);
   row->addWidget(box, 1);
