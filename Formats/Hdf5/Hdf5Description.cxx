@@ -86,6 +86,7 @@ public:
     }
     this->ReadElementSize();
     this->ReadDream3d();
+    this->ReadItk();
     this->ReadImaris();
     this->ReadPrograms();
     return std::move(this->Found);
@@ -325,6 +326,37 @@ private:
       this->Found.Place.Origin[axis] = (origin ? (*origin)[axis] : 0) + (*spacing)[axis] / 2;
     }
     this->Found.AddNote("samples are in the middle of DREAM.3D's cells, half a cell behind ORIGIN");
+  }
+
+  /// An image of ITK: x is the first of the numbers, and a row of Directions is the direction of an axis.
+  void ReadItk()
+  {
+    const std::string path = this->Group + "/Directions";
+    if (FindName(this->Path) != "VoxelData" || !this->File.Has(path))
+    {
+      return;
+    }
+    const auto spacing = this->ReadTriple(this->Group, "Spacing");
+    const auto origin = this->ReadTriple(this->Group, "Origin");
+    const auto directions = this->File.ReadList(path, 9, 2);
+    if (!spacing || !origin || !directions.IsOk() || directions->size() != 9)
+    {
+      this->Found.AddNote(
+        "ITK's Spacing, Origin and Directions are not those of three axes, and are "
+        "not used");
+      return;
+    }
+    this->Found.Letters = this->Shape.size() == 4 ? "zyxc" : this->Found.Letters;
+    GridGeometry& place = this->Found.Place;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      place.Spacing[axis] = (*spacing)[axis];
+      place.Origin[axis] = (*origin)[axis];
+      for (std::size_t row = 0; row < 3; ++row)
+      {
+        place.Direction[3 * row + axis] = (*directions)[3 * axis + row];
+      }
+    }
   }
 
   void ReadImaris()

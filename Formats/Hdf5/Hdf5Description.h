@@ -20,6 +20,7 @@ namespace isosurface
  *     ilastik                   the attribute `axistags`: letters and resolutions of the axes
  *     ImageJ's HDF5, ilastik    the attribute `element_size_um`: z, y, x
  *     DREAM.3D                  the geometry of the image that the cells are of
+ *     ITK                       the datasets Spacing, Origin and Directions beside VoxelData
  *     Imaris                    ImageSizeX ... of the channel, ExtMin0 ... ExtMax2 of the image
  *     BigDataViewer             cells of int16 are of uint16
  *     MATLAB                    the order of its indices

@@ -269,12 +269,18 @@ std::optional<std::vector<double>> Hdf5File::ReadNumbers(
   return numbers;
 }
 
-Result<std::vector<double>> Hdf5File::ReadList(const std::string& path, std::int64_t most) const
+Result<std::vector<double>> Hdf5File::ReadList(
+  const std::string& path, std::int64_t most, std::size_t axes) const
 {
   const auto list = this->OpenArray(path, 0);
   ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
   const StoredArray::Numbers shape = (*list)->GetShape();
-  if (shape.size() != 1 || shape[0] < 1 || shape[0] > most)
+  std::int64_t count = shape.size() == axes ? 1 : 0;
+  for (const std::int64_t size : shape)
+  {
+    count = size >= 1 && count <= most / size ? count * size : 0;
+  }
+  if (count == 0)
   {
     return this->MakeError(
       StatusCode::Corrupt, path, "it is no list of 1 to " + std::to_string(most) + " numbers");
@@ -282,9 +288,9 @@ Result<std::vector<double>> Hdf5File::ReadList(const std::string& path, std::int
   return DispatchValueType((*list)->GetType(),
     [&](auto zero) -> Result<std::vector<double>>
     {
-      std::vector<decltype(zero)> stored(static_cast<std::size_t>(shape[0]));
-      ISOSURFACE_RETURN_IF_ERROR(
-        (*list)->Read({ 0 }, shape, reinterpret_cast<std::uint8_t*>(stored.data())));
+      std::vector<decltype(zero)> stored(static_cast<std::size_t>(count));
+      ISOSURFACE_RETURN_IF_ERROR((*list)->Read(
+        StoredArray::Numbers(axes), shape, reinterpret_cast<std::uint8_t*>(stored.data())));
       std::vector<double> numbers(stored.size());
       std::transform(stored.begin(), stored.end(), numbers.begin(),
         [](auto number) { return static_cast<double>(number); });

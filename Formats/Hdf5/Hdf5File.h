@@ -55,7 +55,8 @@ public:
   std::optional<std::vector<double>> ReadNumbers(
     const std::string& object, const std::string& name, std::size_t count) const;
   /// The numbers of a dataset of one axis, at most `most`. Errors: those of OpenArray(), Corrupt.
-  Result<std::vector<double>> ReadList(const std::string& path, std::int64_t most) const;
+  Result<std::vector<double>> ReadList(
+    const std::string& path, std::int64_t most, std::size_t axes = 1) const;
   std::vector<std::string> FindAttributes(const std::string& object) const;
   /// All attributes: OpenedVolume::Attributes.
   std::string DescribeAttributes(const std::string& object) const;

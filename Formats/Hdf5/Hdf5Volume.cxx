@@ -97,6 +97,12 @@ void NoteAttributes(const Hdf5File& file, const std::string& path, Hdf5Descripti
 Result<OpenedVolume> OpenDataset(
   const VolumeName& name, const Hdf5File& file, const std::string& path, const VolumeChoice& choice)
 {
+  if (path.compare(0, 10, "/minc-2.0/") == 0)
+  {
+    return AddObject(name, path,
+      Status(StatusCode::Unsupported,
+        "it is MINC, whose places and scale are not read: convert it to NIfTI, as mnc2nii does"));
+  }
   const auto whole = file.OpenArray(path, 0);
   ISOSURFACE_RETURN_IF_ERROR(whole.GetStatus());
   Hdf5Description description =

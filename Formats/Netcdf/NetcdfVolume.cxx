@@ -44,6 +44,12 @@ public:
   Result<OpenedVolume> Open()
   {
     ISOSURFACE_RETURN_IF_ERROR(this->FindVariable());
+    const std::string writer = this->File.ReadText(*this->Variable, "varid").value_or("");
+    if (Contains(writer, "MINC") || this->File.FindVariable("rootvariable"))
+    {
+      return this->MakeError(StatusCode::Unsupported,
+        "it is MINC, whose places and scale are not read: convert it to NIfTI, as mnc2nii does");
+    }
     auto array = this->File.OpenArray(*this->Variable, this->Choice.CacheBytes);
     ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
     ISOSURFACE_RETURN_IF_ERROR(this->FindAxes());

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -124,7 +125,21 @@ private:
         std::remove_if(name.begin(), name.end(), [](char c) { return c == ' ' || c == '\t'; }),
         name.end());
       const std::string value = TrimText(line->substr(colon + 1));
-      this->Fields[name == "centerings" ? "centers" : name] = value;
+      name = name == "centerings" ? "centers" : name;
+      if (!this->Fields.emplace(name, value).second)
+      {
+        return this->Corrupt("two fields \"" + name + "\"");
+      }
+      static const std::set<std::string> known = { "dimension", "type", "blocksize", "encoding",
+        "endian", "content", "oldmin", "oldmax", "datafile", "lineskip", "byteskip", "number",
+        "sampleunits", "sizes", "spacings", "thicknesses", "axismins", "axismaxs", "centers",
+        "labels", "units", "kinds", "space", "spacedimension", "spaceunits", "spaceorigin",
+        "spacedirections", "measurementframe", "min", "max" };
+      if (known.count(name) == 0)
+      {
+        AddNote(
+          this->Volume.LeftOut, "its field \"" + name + "\" is none of NRRD's, and is not used");
+      }
       if (name == "datafile" && LowerText(value).compare(0, 4, "list") == 0)
       {
         break;

@@ -279,19 +279,16 @@ private:
     return Status::Ok();
   }
 
-  /// Attributes of CF, as xarray writes them.
-  void TakePacking(const Json& attributes)
+  /// Attributes of CF, as xarray writes them, and of others that would place or scale the samples.
+  void NoteAttributes(const Json& attributes)
   {
-    for (const char* const name : { "scale_factor", "add_offset", "_FillValue", "missing_value" })
+    for (const char* const name : { "scale_factor", "add_offset", "_FillValue", "missing_value",
+           "spacing", "origin", "direction", "affine", "element_size_um" })
     {
       if (const Json& value = FindJson(attributes, name); !value.is_null())
       {
         AddNote(this->Volume.LeftOut, std::string(name) + ", " + value.dump() + ", is not applied");
       }
-    }
-    for (ArrayDescription& array : this->Volume.Arrays)
-    {
-      array.Unit = FindJsonText(attributes, "units");
     }
   }
 
@@ -303,9 +300,13 @@ private:
     grid.Spacing = place.Spacing;
     grid.Origin = place.Origin;
     TakeLengthUnits(place.Units, grid, this->Volume.LeftOut);
+    this->NoteAttributes(node.Attributes);
     if (!names.empty())
     {
-      this->TakePacking(node.Attributes);
+      for (ArrayDescription& array : this->Volume.Arrays)
+      {
+        array.Unit = FindJsonText(node.Attributes, "units");
+      }
       const auto of = [&names](int axis) { return names[static_cast<std::size_t>(axis)]; };
       TakeCoordinates(this->Files, folder, { of(this->Axes.X), of(this->Axes.Y), of(this->Axes.Z) },
         grid, this->Volume.LeftOut);

@@ -543,6 +543,15 @@ class ErrorsAreOneLine(Case):
             file.write(header.encode() + bytes(64))
         self.check("flat.nrrd: ", "flat.nrrd", "o.bvol")
 
+    def test_fields_of_nrrd_that_are_not_known_or_twice_there(self):
+        header = "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n"
+        for field, code in (("spacing: 2 2 2\n", 0), ("sizes: 4 4 4\n", 1)):
+            with open(os.path.join(SCRATCH, "field.nrrd"), "wb") as file:
+                file.write((header + field + "\n").encode() + bytes(64))
+            status, _, err = run("field.nrrd", "field.bvol")
+            self.assertEqual(status, code, err)
+            self.assertIn(('"spacing" is none of NRRD\'s, and is not used', 'two fields "sizes"')[code], err)
+
     def test_names_in_a_file_give_a_terminal_no_orders(self):
         with open(os.path.join(SCRATCH, "evil.mhd"), "wb") as file:
             file.write(b"ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\n"

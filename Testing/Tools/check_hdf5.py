@@ -252,6 +252,27 @@ class Descriptions(DescribedCase):
             file.write(b"MATLAB 5.0 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x01IM" + bytes(500))
         self.assert_error("old.mat", "old.mat", "MAT-file of version 5", "-v7.3")
 
+    def test_images_of_itk_are_where_they_say(self):
+        samples = make_samples("int16")
+        with h5py.File(self.path("i.h5"), "w") as file:
+            for name, values in (("one", samples), ("three", numpy.stack([samples] * 3, axis=3))):
+                image = file.create_group(f"{name}/ITKImage/0")
+                image["VoxelData"] = values
+                image["Spacing"], image["Origin"] = [0.25, 0.5, 2.0], [10.0, -5, 3]
+                image["Directions"] = numpy.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])  # of x, of y, of z
+        for name, components in (("one", 1), ("three", 3)):
+            self.write(f"i.h5:/{name}/ITKImage/0/VoxelData", "o.bvol")
+            info = json.loads(self.run_tool("--info", "--json", "o.bvol")[1])
+            grid = info["grid"]
+            self.assertEqual((grid["dimensions"], info["arrays"][0]["components"]), (list(SHAPE[::-1]), components))
+            self.assertEqual((grid["spacing"], grid["origin"]), ([0.25, 0.5, 2], [10, -5, 3]))
+            self.assertEqual(grid["direction"], [0, -1, 0, 1, 0, 0, 0, 0, 1])
+
+    def test_minc_is_refused(self):
+        with h5py.File(self.path("m.mnc"), "w") as file:
+            file["minc-2.0/image/0/image"] = make_samples("int16")
+        self.assert_error("m.mnc", "m.mnc:/minc-2.0/image/0/image: cannot be read: it is MINC")
+
     def test_cells_of_dream3d_are_where_their_geometry_says(self):
         samples = make_samples("int32")
         middle = {"spacing": (0.25, 0.5, 2), "origin": (10.125, -4.75, 4)}

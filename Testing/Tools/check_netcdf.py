@@ -107,6 +107,12 @@ class CoordinatesAndErrors(Files):
             file.createVariable("data", "float32", ("z", "y", "x", "component"))[:] = samples[..., None]
         self.assert_equal_volumes(self.write("o.nc", "o.bvol"), self.write_raw(samples, "data"))
 
+    def test_minc_is_refused(self):
+        with self.create("m.mnc", "NETCDF3_CLASSIC") as file:
+            self.add_coordinates(file, z=(numpy.arange(41), {}))
+            file.createVariable("image", "int16", ("z", "y", "x")).varid = "MINC standard variable"
+        self.assert_error("m.mnc", "m.mnc:image: cannot be read: it is MINC")
+
     def test_what_is_not_obeyed_is_told(self):
         samples = make_samples("int16")
         with self.create("t.nc") as file:

@@ -216,6 +216,13 @@ class LayoutsAndPlaces(SourceCase):
         zarr.open(self.path("x.zarr/air")).attrs["_ARRAY_DIMENSIONS"] = ["this", "that", "other"]
         self.assertIn("the names of its axes (this, that, other) do not tell x, y and z", self.convert("x.zarr")[2])
 
+    def test_attributes_of_others_that_are_not_applied_are_told(self):
+        write_array_2(self.path("a.zarr"), make_samples("int16"), (16, 20, 33))
+        zarr.open(self.path("a.zarr")).attrs.update({"spacing": [3, 2, 1], "scale_factor": 2})
+        err = self.convert("a.zarr")[2]
+        for words in ("spacing, [3,2,1], is not applied", "scale_factor, 2, is not applied"):
+            self.assertIn(words, err)
+
 
 class VersionThree(SourceCase):
     def test_types_codecs_keys_and_shards(self):
