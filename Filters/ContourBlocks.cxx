@@ -190,6 +190,7 @@ Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
     ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces));
     selection.Isovalues = blocks.Isovalues;
     selection.Region = settings.Region;
+    selection.ClosedSides = blocks.ClosedSides;
     gridPieces = kept->GetGridPieces();
     return Status::Ok();
   };

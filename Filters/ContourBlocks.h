@@ -43,6 +43,7 @@ struct ContourBlocks
   int BlockSize = 64; ///< cells along the side of a block, at the level; a power of two
   std::vector<double> Isovalues;
   PointPrecision Precision = PointPrecision::Default;
+  GridSides ClosedSides; ///< CloseBoundary; Source then also has the blocks of BlockSelection
   /// Whether this rank has samples. If not, it does not know Time, ArrayName and Arrays.
   bool HasSamples = false;
   std::string ArrayName;      ///< of the contoured array
@@ -73,8 +74,8 @@ struct ContourBlocks
  *
  * Of a blocked volume the blocks are those of Level, or of the finest coarser level that keeps to
  * MaximumTriangles as far as the contour spectrum can tell. TimeBudget and Progressive have no
- * effect, nor have the options that say what becomes of the blocks: CloseBoundary,
- * DropDegenerateTriangles and GenerateTriangles.
+ * effect, nor have the options that say what becomes of the blocks: DropDegenerateTriangles and
+ * GenerateTriangles.
  *
  * Errors, on all ranks: an input that failed; those of the filter itself.
  */

@@ -503,6 +503,7 @@ Status ContourExecution::CollectBlocks(
   ControllerCommunicator ranks = this->GetRanks();
   blocks.Isovalues = this->MakeRequest().Isovalues;
   blocks.Precision = this->MakeRequest().Precision;
+  blocks.ClosedSides = this->MakeRequest().ClosedSides;
   // The input may be executed by all ranks together.
   const bool hasInput = this->Contour.GetNumberOfInputConnections(0) > 0;
   ISOSURFACE_RETURN_IF_ERROR(
@@ -546,7 +547,6 @@ Status ContourExecution::CollectBlocksOfVolume(Communicator& ranks, const Volume
   SurfaceQuery query, ContourOutcome& outcome, ContourBlocks& blocks)
 {
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
-  query.Selection.ClosedSides = {};
   // Before anything can fail, so that all ranks have it.
   blocks.Volume = volume;
   blocks.ArrayName = outcome.ArrayName;

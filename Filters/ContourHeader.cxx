@@ -88,6 +88,7 @@ EdgeIndexHeader DescribeContourBlocks(
   header.Geometry = blocks.Grid;
   header.Type = blocks.Source->GetValueType();
   header.Isovalues = blocks.Isovalues;
+  header.ClosedSides = blocks.ClosedSides;
   header.Array = blocks.ArrayName;
   header.Source = blocks.Origin;
   header.Time = blocks.Time;

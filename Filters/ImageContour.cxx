@@ -276,7 +276,8 @@ Status ImageContour::ExtractJoined(
   {
     const std::optional<GridLines>& lines = query.Pieces.Lines[grid];
     const PieceBlockSelection selection = { query.Request.Isovalues, query.Choice.Region,
-      lines ? &*lines : nullptr, JoinedBlockSize, query.Request.Normals };
+      query.Request.ClosedSides, lines ? &*lines : nullptr, JoinedBlockSize,
+      query.Request.Normals };
     const auto source = PieceBlockSource::Make(
       ranks, query.Pieces.Grids[grid], std::move(ofGrids[grid]), selection, query.Choice.Threads);
     ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());

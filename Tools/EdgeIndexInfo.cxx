@@ -89,6 +89,10 @@ Json Describe(const EdgeIndexFile& file)
   json["source"] = header.Source;
   json["time"] = header.Time ? Json(*header.Time) : Json();
   json["settings"] = DescribeSettings(header);
+  if (!header.ClosedSides.IsEmpty())
+  {
+    json["closed"] = header.ClosedSides.AreBeyondInside ? "below" : "above";
+  }
   json["attributes"] = Json::array();
   for (const EdgeIndexAttribute& attribute : header.Attributes)
   {
@@ -173,6 +177,10 @@ void Print(const Json& told)
       Join(settings["quantizationRange"], " to ").c_str());
   }
   std::printf("; profile %s\n", settings["profile"].get<std::string>().c_str());
+  if (told.contains("closed"))
+  {
+    std::printf("closed        %s the isovalue\n", told["closed"].get<std::string>().c_str());
+  }
   for (const Json& attribute : told["attributes"])
   {
     std::printf("attribute     %s: %s x %s, to within %s\n", Dump(attribute["name"]).c_str(),

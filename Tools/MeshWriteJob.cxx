@@ -36,7 +36,8 @@ MeshWriteJob::MeshWriteJob(const EdgeIndexFile& file, const Settings& settings)
   : File(file)
   , Chosen(settings)
   , HasNormals(HasNormalsOf(file.GetHeader()) && !settings.IsPreview)
-  , Shared(file.GetHeader().Geometry.GetDimensions())
+  , Shared(file.GetHeader().Geometry.GetDimensions(),
+      file.GetHeader().ClosedSides.IsEmpty() ? 0 : file.GetHeader().Isovalues.size())
 {
   const GridGeometry grid =
     settings.IsPreview ? file.GetHeader().MakePreview().Geometry : file.GetHeader().Geometry;

@@ -8,17 +8,24 @@ namespace isosurface
 namespace
 {
 
-/// Which edge of the grid a global id names; see ExtractSurface.
+/// Which edge of the grid, or in a closed surface which vertex, a global id names; see ExtractSurface.
 struct GridEdge
 {
   Index3 Vertex;
   std::size_t Axis;
 
-  GridEdge(std::int64_t id, const Index3& size)
+  GridEdge(std::int64_t id, const Index3& dimensions, std::int64_t closed)
     : Axis(static_cast<std::size_t>(id % 3))
   {
-    const std::int64_t vertex = id / 3 % (size[0] * size[1] * size[2]);
-    this->Vertex = { vertex % size[0], vertex / size[0] % size[1], vertex / (size[0] * size[1]) };
+    const std::int64_t layer = closed > 0 ? 1 : 0;
+    const Index3 size = { dimensions[0] + 2 * layer, dimensions[1] + 2 * layer,
+      dimensions[2] + 2 * layer };
+    const std::int64_t vertices = size[0] * size[1] * size[2];
+    const bool isVertex = closed > 0 && id >= 3 * closed * vertices;
+    this->Axis = isVertex ? 3 : this->Axis;
+    const std::int64_t vertex = (isVertex ? id : id / 3) % vertices;
+    this->Vertex = { vertex % size[0] - layer, vertex / size[0] % size[1] - layer,
+      vertex / (size[0] * size[1]) - layer };
   }
 
   bool IsInPlane(std::size_t axis, std::int64_t place) const
@@ -46,7 +53,7 @@ PointNumbers SharedPoints::Number(const Mesh& mesh)
   for (std::size_t point = 0; point < mesh.NumberOfPoints; ++point)
   {
     const std::int64_t id = mesh.GlobalIds[point];
-    const GridEdge edge(id, this->Dimensions);
+    const GridEdge edge(id, this->Dimensions, this->Closed);
     std::uint64_t number = this->NumberOfPoints;
     const auto find = [&](const Numbers& known)
     {

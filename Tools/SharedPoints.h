@@ -20,9 +20,11 @@ namespace isosurface
 class SharedPoints
 {
 public:
-  /// `dimensions`: vertices of the grid, which global ids count.
-  explicit SharedPoints(const Index3& dimensions)
+  /// `dimensions`: vertices of the grid. `closed`: isovalues of a closed surface, whose ids count a layer around
+  /// the grid, too, and after all edges vertices; 0 of an open one.
+  explicit SharedPoints(const Index3& dimensions, std::size_t closed = 0)
     : Dimensions(dimensions)
+    , Closed(static_cast<std::int64_t>(closed))
   {
   }
 
@@ -38,6 +40,7 @@ private:
   using Numbers = std::unordered_map<std::int64_t, std::uint64_t>;
 
   Index3 Dimensions;
+  std::int64_t Closed;
   std::uint64_t NumberOfPoints = 0;
   VertexBox Box; ///< of the piece
   Numbers Layer; ///< points at the end of the layer before

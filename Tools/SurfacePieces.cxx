@@ -10,12 +10,15 @@ namespace
 
 using Blocks = std::vector<const EdgeIndexBlock*>;
 
+/// A block within a closed surface has caps alone: a side of so many vertices.
+constexpr std::uint64_t PointsOfCaps = 4096;
+
 std::uint64_t CountPoints(const Blocks& blocks)
 {
   std::uint64_t points = 0;
   for (const EdgeIndexBlock* block : blocks)
   {
-    points += block->NumberOfPoints;
+    points += block->NumberOfPoints == 0 ? PointsOfCaps : block->NumberOfPoints;
   }
   return points;
 }

@@ -70,15 +70,10 @@ Status CheckContour(vtkStabbingContour* contour)
                   "output, before it is clipped or filtered (its UseRegion limits it to a box), or "
                   "save this surface in another format, such as .vtp.");
   }
-  if (contour->GetCloseBoundary())
+  if (contour->GetDropDegenerateTriangles() && !contour->GetCloseBoundary())
   {
-    return refuse("An edge-index file cannot hold the caps that CloseBoundary adds: turn "
-                  "CloseBoundary of Isosurface off.");
-  }
-  if (contour->GetDropDegenerateTriangles())
-  {
-    return refuse("An edge-index file always holds all triangles: turn DropDegenerateTriangles of "
-                  "Isosurface off.");
+    return refuse("An edge-index file holds all triangles of an open surface: turn "
+                  "DropDegenerateTriangles of Isosurface off.");
   }
   if (contour->GetSkipNotANumber())
   {
@@ -313,6 +308,13 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
 {
   blocks.Attributes = this->Writer.WriteArrays;
   blocks.Normals = this->Writer.WriteNormals && this->Contour->GetComputeNormals();
+  const bool hasArrays =
+    blocks.Normals || (blocks.Attributes && this->Contour->GetNumberOfInterpolatedArrays() > 0);
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(!hasArrays || !this->Contour->GetCloseBoundary()
+      ? Status::Ok()
+      : Status(StatusCode::InvalidArgument,
+          "An edge-index file has no arrays on the caps that CloseBoundary adds: turn WriteArrays "
+          "and WriteNormals off.")));
   ISOSURFACE_RETURN_IF_ERROR(isosurface::CollectContourBlocks(
     this->Contour, this->Ranks.GetRank(), this->Ranks.GetSize(), time, blocks));
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(

@@ -9,7 +9,7 @@
  * (CollectContourBlocks), without executing the contour, and writes a surface of any size within
  * MemoryLimit. Connectivity and GlobalIds are exact, points as Mode says, interpolated arrays and
  * normals exact or within a bound. Any other input is an error, and so are surfaces with
- * DropDegenerateTriangles, CloseBoundary or polygons.
+ * DropDegenerateTriangles (but of closed ones) or polygons.
  *
  * All ranks of the controller call Write(), and write one file together. It does not depend on the
  * number of ranks or threads, and appears in one step at the end. If there is an error on any rank,

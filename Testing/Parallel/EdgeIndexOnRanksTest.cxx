@@ -10,6 +10,7 @@
 #include "vtkStabbingContour.h"
 
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <ostream>
 
@@ -191,6 +192,59 @@ TEST_P(EdgeIndexOnRanks, FileIsTheSameAndHoldsTheWholeSurface)
 
 INSTANTIATE_TEST_SUITE_P(Cases, EdgeIndexOnRanks, testing::ValuesIn(MakeFileCases()),
   [](const auto& one) { return one.param.GetName(); });
+
+TEST(EdgeIndexClosedOnRanks, FileIsTheSameAndHoldsTheSurfaceOfTheFilter)
+{
+  for (const int side : { vtkStabbingContour::ABOVE, vtkStabbingContour::BELOW })
+  {
+    for (const bool isVolume : { false, true })
+    {
+      const std::string name =
+        "eix_closed" + std::to_string(side) + (isVolume ? "_volume" : "_image");
+      const SharedFolder folder("EdgeIndexClosedOnRanks-" + name);
+      const std::string path = folder.GetPath("surface.eix");
+      vtkImageData* const image = GetFileVolume(VTK_SHORT);
+      WriteFromPieces(image, 0, path + ".bvol", { 16, 3 });
+      const ContourPipeline pipeline(path + ".bvol");
+      const auto ofImage = MakeContour(MakeSource(image), 0);
+      vtkStabbingContour* const contour = isVolume ? pipeline.Contour.Get() : ofImage.Get();
+      SetIsovalues(contour, FileIsovalues);
+      contour->SetCloseBoundary(1);
+      contour->SetInside(side);
+      vtkNew<vtkEdgeIndexWriter> writer;
+      writer->SetFileName(path.c_str());
+      writer->SetInputConnection(contour->GetOutputPort());
+      ExpectSuccess(writer);
+      vtkNew<vtkEdgeIndexReader> reader;
+      reader->SetFileName(path.c_str());
+      EXPECT_TRUE(reader->UpdatePiece(GetRank(), GetNumberOfRanks(), 0));
+      contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+      const auto gather = [](vtkPolyData* mine)
+      {
+        EdgeSurface part;
+        part.Add(mine, 0, std::numeric_limits<std::int64_t>::max());
+        part.DropNormals();
+        EdgeSurface all = GatherSurfaces(part);
+        all.MergeEqualPoints();
+        return all;
+      };
+      const EdgeSurface read = gather(reader->GetOutput());
+      const EdgeSurface expected = gather(contour->GetOutput());
+      if (GetRank() == 0)
+      {
+        EXPECT_GT(read.Triangles.size(), 1000u);
+        EXPECT_TRUE(AreEqual(read, expected)) << name;
+        const std::string left = "fingerprints/" + name;
+        if (GetNumberOfRanks() == 1)
+        {
+          std::filesystem::create_directories("fingerprints");
+          WriteBytes(left, ReadBytes(path));
+        }
+        EXPECT_TRUE(ReadBytes(path) == ReadBytes(left)) << name;
+      }
+    }
+  }
+}
 
 TEST(EdgeIndexErrorsOnRanks, AStopOfOneRankStopsAllReaders)
 {

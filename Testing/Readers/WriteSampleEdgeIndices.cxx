@@ -145,7 +145,14 @@ bool WriteModes(const std::string& folder)
   working.Geometry.Unit = LengthUnit::Foot;
   working.Settings.QuantizationMinimum = -0.5;
   working.Settings.QuantizationMaximum = 0.3;
-  return Write(folder, "bounded", bounded, waves) &&
+  EdgeIndexHeader closed = MakeNamedHeader(bytes, { 150, 60 }, Mode::Lossless, Profile::Small);
+  closed.PreviewLevel = 1;
+  closed.ClosedSides = GridSides::All();
+  EdgeIndexHeader pores = MakeNamedHeader(waves, { 0.1 }, Mode::Bounded, Profile::Working);
+  pores.ClosedSides = GridSides::All();
+  pores.ClosedSides.AreBeyondInside = true;
+  return Write(folder, "closed", closed, bytes) && Write(folder, "closed-below", pores, waves) &&
+    Write(folder, "bounded", bounded, waves) &&
     Write(folder, "quantized-working", working, waves) &&
     Write(folder, "quantized-coarsely", coarse, bytes) &&
     Write(folder, "quantized-finely", fine, waves);

@@ -27,7 +27,7 @@ TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "u
               "float64")
 MODES = ("lossless", "bounded", "quantized", "smallest")
 PROFILES = {0: "small", 3: "working"}
-VERSIONS = (1, 2)
+VERSIONS = (1, 2, 3)
 UNITS = ("", "m", "dm", "cm", "mm", "um", "nm", "pm", "angstrom", "km", "inch", "foot")
 
 
@@ -114,11 +114,13 @@ class Header:
                   for low, high in zip(self.extent[::2], self.extent[1::2])),
               "header: impossible extent")
         self.origin, self.spacing, self.direction = (source.unpack(n + "d") for n in "339")
-        self.blocks, time, has_time, self.preview_level, unit, zero, self.attribute_count, \
+        self.blocks, time, has_time, self.preview_level, unit, self.closing, self.attribute_count, \
             self.preview_error = source.unpack("QdBBBBId")
         check(unit < len(UNITS) and (unit == 0 or self.version > 1), "header: impossible unit")
         self.unit = UNITS[unit]
-        check(has_time < 2 and self.preview_level <= 6 and zero == 0
+        check(self.closing <= (2 if self.version == 3 else 0)
+              and (self.closing == 0 or self.attribute_count == 0), "header: impossible closing")
+        check(has_time < 2 and self.preview_level <= 6
               and self.attribute_count <= 256
               and (self.preview_level == 0 or 0 < self.preview_error <= 0.5),
               "header: impossible time, preview or count")
@@ -177,7 +179,8 @@ class Record:
         self.codes_crossings, self.some_missing, self.preview = (
             bool(self.coding & bit) for bit in (1, 2, 4))
         grid = header.make_preview_grid() if self.preview else header.grid
-        check(self.isovalue < len(header.isovalues) and self.coding < 8 and self.points > 0
+        check(self.isovalue < len(header.isovalues) and self.coding < 8
+              and (self.points > 0 or header.closing > 0 and not self.preview)
               and all(1 <= n <= 64 for n in self.cells)
               and all(f + n < d for f, n, d in zip(self.first, self.cells, grid.dimensions))
               and all(abs(n) <= 2**34 for n in self.lattice), "record: impossible block")
@@ -313,7 +316,7 @@ class DecodedBlock:
         if not record.codes_crossings:
             self._add_values(
                 values, isovalue, "float32" if header.mode == "quantized" else header.type_name)
-            if header.version == 2 and header.mode == "smallest":
+            if header.version > 1 and header.mode == "smallest":
                 self._round_on_faces(make_crossings(
                     False, header.grid, header.maximum_error, False, None).cut)
         check(len(self.parameters) == record.points, "record: another number of points")
@@ -456,13 +459,64 @@ class Surface:
         self.attributes = [{} for _ in header.attributes]
         self.triangles = []
         self.header = header
+        self.closing = 0 if preview else header.closing
+
+    def add(self, record, decoded):
+        (self.add_closed if self.closing else self.add_open)(record, decoded)
+
+    def add_closed(self, record, decoded):
+        """With the layer of vertices around the grid, and points on vertices merged."""
+        beyond = self.closing - 1
+        sizes = [n + 2 for n in self.grid.dimensions]
+        numbers, all_vertices = len(self.header.isovalues), math.prod(sizes)
+
+        def is_within(vertex):
+            return all(0 <= f + n < d for f, n, d in zip(record.first, vertex, self.grid.dimensions))
+
+        def is_inside(vertex):
+            x, y, z = vertex
+            return decoded.block.slices[z][y][x] if is_within(vertex) else beyond
+
+        def name_vertex(vertex):
+            i, j, k = (f + n + 1 for f, n in zip(record.first, vertex))
+            return i + sizes[0] * (j + sizes[1] * k)
+
+        def add_point(vertex, axis):
+            """The global id of the point of a crossed edge."""
+            ends = [vertex, tuple(n + (a == axis) for a, n in enumerate(vertex))]
+            places = [[round_to_float32(float(f + n + low)) for f, n, low in
+                       zip(record.first, end, self.grid.first)] for end in ends]
+            inner = [number for number in (0, 1) if is_within(ends[number])]
+            place = places[inner[0]]
+            if len(inner) == 2:
+                place = list(places[0])
+                place[axis] = round_to_float32(float(record.first[axis] + vertex[axis])
+                                               + decoded.parameters[(*vertex, axis)] + self.grid.first[axis])
+            where = 3 * name_vertex(vertex) + axis + record.isovalue * 3 * all_vertices
+            for number in inner:
+                if place == places[number]:
+                    where = name_vertex(ends[number]) + (3 * numbers + record.isovalue) * all_vertices
+            self.points[where] = place
+            self.isovalues[where] = self.header.isovalues[record.isovalue]
+            return where
+
+        cells = [range(-1 if f == 0 else 0, n + (f + n + 1 == d)) for f, n, d in
+                 zip(record.first, record.cells, self.grid.dimensions)]
+        turned = self.grid.left_handed != (beyond == 1)
+        for z, y, x in itertools.product(*cells[::-1]):
+            case = sum(is_inside((x + (n & 1), y + (n >> 1 & 1), z + (n >> 2))) << n for n in range(8))
+            for triangle in self.CASES[case]:
+                edges = [CELL_EDGES[triangle[corner]] for corner in ((0, 2, 1) if turned else (0, 1, 2))]
+                corners = tuple(add_point((x + i, y + j, z + k), axis) for (i, j, k), axis in edges)
+                if len(set(corners)) == 3:
+                    self.triangles.append(corners)
 
     def find_id(self, record, x, y, z, axis):
         width, height, _ = self.grid.dimensions
         i, j, k = (f + n for f, n in zip(record.first, (x, y, z)))
         return 3 * (i + width * (j + height * k)) + axis + record.isovalue * 3 * self.vertices
 
-    def add(self, record, decoded):
+    def add_open(self, record, decoded):
         for (x, y, z, axis), t in decoded.parameters.items():
             where = self.find_id(record, x, y, z, axis)
             place = [float(first + n) for first, n in zip(record.first, (x, y, z))]

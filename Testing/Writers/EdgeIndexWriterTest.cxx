@@ -432,7 +432,9 @@ TEST_F(EdgeIndexWriter, OptionsThatTheFileCannotHoldAreNamed)
     EXPECT_NE(message.find(name), std::string::npos) << message;
   };
   this->Contour->SetCloseBoundary(true);
+  this->Writer->SetWriteNormals(true);
   expectRefusal("CloseBoundary");
+  this->Writer->SetWriteNormals(false);
   this->Contour->SetCloseBoundary(false);
   this->Contour->SetDropDegenerateTriangles(true);
   expectRefusal("DropDegenerateTriangles");

@@ -39,7 +39,8 @@ Status CheckPlace(const EdgeIndexHeader& header, const EdgeIndexBlock& block)
       return MakeCorruptRecord("has impossible lattice coordinates");
     }
   }
-  if (block.NumberOfPoints == 0 ||
+  const bool mayBeWithin = !block.IsPreview && header.ClosedSides.Touch(block.Vertices, dimensions);
+  if ((block.NumberOfPoints == 0 && !mayBeWithin) ||
     block.NumberOfPoints > 3 * static_cast<std::uint64_t>(block.Vertices.GetNumberOfVertices()))
   {
     return MakeCorruptRecord("has an impossible number of points");

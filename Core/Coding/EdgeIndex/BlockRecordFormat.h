@@ -29,7 +29,8 @@ enum class CodedGeometry : std::uint8_t
  *   low vertex            3 varints         in the grid (of the preview's level)
  *   cells                 3 bytes           1 to 64 each
  *   lattice coordinates   3 signed varints
- *   points                varint            crossed edges, including those on shared faces
+ *   points                varint            crossed edges, including those on shared faces; 0 only of a
+ *                                           closed surface, at a side of the grid
  *   coding                1 byte            CodedGeometry; + 2 if some crossing is not a number;
  *                                           + 4 if the block belongs to the preview
  *

@@ -215,7 +215,10 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
     return Status::Ok(); // no cells, no surface
   }
   SampledBlock block(view, header.Isovalues[isovalue], header.GetIntervals());
-  if (!block.IsCrossed())
+  const bool isWithin = !block.IsCrossed() &&
+    block.HasInside() != header.ClosedSides.AreBeyondInside &&
+    header.ClosedSides.Touch(view.Box, header.Geometry.GetDimensions());
+  if (!block.IsCrossed() && !isWithin)
   {
     return Status::Ok();
   }

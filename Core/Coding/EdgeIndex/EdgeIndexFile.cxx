@@ -83,16 +83,19 @@ bool Overlaps(const VertexBox& block, std::int64_t step, const VertexBox& box)
 void KeepPiece(const std::vector<EdgeIndexEntry>& entries, int piece, int pieces,
   std::vector<std::size_t>& selected)
 {
+  // A block within a closed surface has caps alone.
+  const auto count = [&entries](std::size_t entry)
+  { return static_cast<double>(std::max<std::uint64_t>(1, entries[entry].Block.NumberOfPoints)); };
   double points = 0;
   for (const std::size_t entry : selected)
   {
-    points += static_cast<double>(entries[entry].Block.NumberOfPoints);
+    points += count(entry);
   }
   double before = 0;
   std::vector<std::size_t> kept;
   for (const std::size_t entry : selected)
   {
-    const auto own = static_cast<double>(entries[entry].Block.NumberOfPoints);
+    const double own = count(entry);
     const int place = std::min(
       pieces - 1, static_cast<int>((before + own / 2) / points * static_cast<double>(pieces)));
     before += own;

@@ -34,9 +34,11 @@ Status CheckGrid(const EdgeIndexHeader& header)
     {
       return MakeInvalid("The grid has no vertices or too many.");
     }
-    vertices *= static_cast<double>(high - low + 1);
+    vertices *= static_cast<double>(high - low + (header.ClosedSides.IsEmpty() ? 1 : 3));
   }
-  if (3 * vertices * static_cast<double>(std::max<std::size_t>(1, header.Isovalues.size())) >
+  const int idsOfVertex = header.ClosedSides.IsEmpty() ? 3 : 4;
+  if (idsOfVertex * vertices *
+      static_cast<double>(std::max<std::size_t>(1, header.Isovalues.size())) >
     MaximumGlobalIds)
   {
     return MakeInvalid("The grid has too many vertices for 64-bit ids of its edges.");
@@ -53,6 +55,10 @@ Status CheckAttributes(const EdgeIndexHeader& header)
   if (header.Attributes.size() > MaximumAttributes)
   {
     return MakeInvalid("There are too many attributes.");
+  }
+  if (!header.ClosedSides.IsEmpty() && !header.Attributes.empty())
+  {
+    return MakeInvalid("Points of a closed surface have no attributes.");
   }
   int components = 0;
   int normals = 0;
@@ -193,6 +199,7 @@ EdgeIndexHeader EdgeIndexHeader::MakePreview() const
   header.Settings.Profile = EdgeIndexProfile::Preview;
   header.Settings.MaximumError = this->PreviewMaximumError;
   header.PreviewLevel = 0;
+  header.ClosedSides = {};
   header.Attributes.clear();
   return header;
 }

@@ -7,6 +7,7 @@
 #include "Coding/BlockCoding/Quantizer.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/GridGeometry.h"
+#include "Ground/Volume/GridSides.h"
 #include "Ground/Volume/ValueType.h"
 
 #include <cstddef>
@@ -79,6 +80,11 @@ struct EdgeIndexHeader
   /// values of a block are coded, so that a point has one place in all blocks that have it. Only files
   /// of version 1 do not do this.
   bool RoundsFaces = true;
+
+  /// All sides of the grid, if the surface is closed there, else none; the preview is open. Blocks at these
+  /// sides that are entirely within the body have records without points. Degenerate triangles are dropped then,
+  /// and there are no attributes, which caps do not have.
+  GridSides ClosedSides;
 
   // For information.
   std::string Array;          ///< the name of the samples that were contoured

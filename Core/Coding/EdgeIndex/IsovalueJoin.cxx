@@ -100,13 +100,22 @@ void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
   surface.Attributes = std::move(others);
 }
 
-// Appends the surface of the next isovalue.
-void AppendSurface(Surface& surface, Surface&& next, std::int64_t firstGlobalId)
+// Of a surface that was extracted alone, those that it has among all isovalues: ids of edges are before those of
+// vertices.
+void ShiftIds(
+  std::size_t isovalue, std::size_t isovalues, std::int64_t vertices, Buffer<std::int64_t>& ids)
 {
-  for (std::int64_t& id : next.GlobalIds)
+  const auto number = static_cast<std::int64_t>(isovalue);
+  const auto others = static_cast<std::int64_t>(isovalues) - 1;
+  for (std::int64_t& id : ids)
   {
-    id += firstGlobalId;
+    id += id < 3 * vertices ? number * 3 * vertices : (3 * others + number) * vertices;
   }
+}
+
+// Appends the surface of the next isovalue.
+void AppendSurface(Surface& surface, Surface&& next)
+{
   if (surface.Parts.empty())
   {
     surface = std::move(next);
@@ -168,6 +177,11 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
     one.Isovalues.assign(1, header.Isovalues[isovalue]);
     one.Normals = false;
     one.Attributes = GetAttributeLayouts(header);
+    if (!header.ClosedSides.IsEmpty())
+    {
+      one.ClosedSides = header.ClosedSides;
+      one.DropDegenerateTriangles = true;
+    }
     Progress part;
     if (progress)
     {
@@ -189,8 +203,9 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
         StatusCode::Corrupt, "The edge-index stream is corrupt: its blocks do not fit together.");
     }
     TakeNormals(header, request.Normals, *next);
-    AppendSurface(surface, std::move(*next),
-      static_cast<std::int64_t>(isovalue) * 3 * header.Geometry.GetNumberOfVertices());
+    ShiftIds(isovalue, header.Isovalues.size(),
+      GetNumberedGrid(header.Geometry, one).GetNumberOfVertices(), next->GlobalIds);
+    AppendSurface(surface, std::move(*next));
   }
   return surface;
 }

@@ -311,7 +311,8 @@ void SampledBlock::Classify()
       all = all & this->Signs[static_cast<std::size_t>(z)].At(y);
     }
   }
-  this->Crossed = !any.IsZero() && !(all ^ full).IsZero();
+  this->Inside = !any.IsZero();
+  this->Crossed = this->Inside && !(all ^ full).IsZero();
 }
 
 void SampledBlock::ClassifyColumns(int begin, const void* threshold)

@@ -24,6 +24,8 @@ public:
   const std::array<int, 3>& GetSize() const { return this->Size; }
   const CrossingIntervals& GetIntervals() const { return this->Intervals; }
   bool IsCrossed() const { return this->Crossed; }
+  /// Whether any vertex is inside.
+  bool HasInside() const { return this->Inside; }
   std::uint64_t CountPoints() const;
   /// Codes are those of the quantizer, or without one those of the domain.
   void SetDomain(const ValueDomain* domain) { this->Domain = domain; }
@@ -91,6 +93,7 @@ private:
   const Quantizer* Quantization = nullptr;
   std::array<SignSlice, MaximumCodedVertices> Signs;
   bool Crossed = false;
+  bool Inside = false;
   std::vector<CodedAttribute> Attributes;
 };
 

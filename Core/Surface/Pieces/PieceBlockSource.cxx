@@ -22,6 +22,7 @@ PieceBlockSource::PieceBlockSource(
   : Geometry(geometry)
   , Grid(geometry.GetDimensions(), selection.BlockSize)
   , WithLayer(selection.WithLayer)
+  , ClosedSides(selection.ClosedSides)
   , Isovalues(selection.Isovalues)
   , Pieces(std::move(pieces))
 {
@@ -150,10 +151,11 @@ Status PieceBlockSource::AddPiecesOf(int rank, const Message& message)
   return Status::Ok();
 }
 
-bool PieceBlockSource::IsActive(const KeyRange& range) const
+bool PieceBlockSource::IsWanted(std::int64_t number, const KeyRange& range) const
 {
-  return std::any_of(this->Thresholds.begin(), this->Thresholds.end(),
-    [&range](ValueKey threshold) { return range.Straddles(threshold); });
+  return this->ClosedSides.Touch(this->Grid.GetVertices(number), this->Grid.GetDimensions()) ||
+    std::any_of(this->Thresholds.begin(), this->Thresholds.end(),
+      [&range](ValueKey threshold) { return range.Straddles(threshold); });
 }
 
 // Sorts the blocks of the region into those within a piece, of which the own active ones are kept, and
@@ -209,7 +211,7 @@ void PieceBlockSource::FindBlocks(int rank, const PieceBlockSelection& selection
   for (std::size_t n = 0; n < whole.size(); ++n)
   {
     this->Finite.Add(ranges[n].Finite);
-    if (this->IsActive(ranges[n].All))
+    if (this->IsWanted(whole[n].first, ranges[n].All))
     {
       this->Numbers.push_back(whole[n].first);
       this->Places.push_back({ false, whole[n].second });
@@ -246,7 +248,7 @@ void PieceBlockSource::DropInactive()
   }
   this->Shared.erase(
     std::remove_if(this->Shared.begin(), this->Shared.end(),
-      [this](const SharedBlock& block) { return !this->IsActive(block.Range.All); }),
+      [this](const SharedBlock& block) { return !this->IsWanted(block.Number, block.Range.All); }),
     this->Shared.end());
 }
 

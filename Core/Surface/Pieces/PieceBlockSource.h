@@ -8,6 +8,7 @@
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/BlockSource.h"
 #include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/GridSides.h"
 #include "Ground/Volume/PieceOwnership.h"
 #include "Ground/Volume/Region.h"
 #include "Ground/Volume/SampleRange.h"
@@ -34,6 +35,7 @@ struct PieceBlockSelection
 {
   std::vector<double> Isovalues;
   isosurface::Region Region;
+  GridSides ClosedSides;            ///< all blocks that touch these are taken, too
   const GridLines* Lines = nullptr; ///< of a rectilinear grid; null: of a regular one
   int BlockSize = 64;               ///< 16, 32 or 64 cells
   bool WithLayer = false; ///< whether Available covers a layer around each block, for gradients
@@ -121,13 +123,15 @@ private:
   Status CollectShared(Communicator& ranks);
   void PackShared(int rank, std::vector<Message>& outgoing);
   void PlaceShared(int rank, const std::vector<Message>& incoming);
-  bool IsActive(const KeyRange& range) const;
+  /// Whether a block is active, or at a closed side.
+  bool IsWanted(std::int64_t number, const KeyRange& range) const;
   /// The views of all components of a piece: scalars first.
   std::vector<SampleView> GetViews(std::size_t piece) const;
 
   GridGeometry Geometry;
   BlockGrid Grid;
   bool WithLayer;
+  GridSides ClosedSides;
   std::vector<double> Isovalues;
   std::vector<ValueKey> Thresholds;
   std::vector<GridPiece> Pieces;

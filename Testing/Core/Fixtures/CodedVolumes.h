@@ -133,10 +133,19 @@ void ExpectLossless(const SampleVolume<T>& volume, const std::vector<double>& is
   int blockSize, EdgeIndexProfile profile)
 {
   TestBlockSource<T> source(volume, blockSize);
-  const ContourRequest request = MakeRequest(isovalues);
+  EdgeIndexHeader header = MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, profile);
+  ContourRequest request = MakeRequest(isovalues);
   ExpectSamePoints(Require(ExtractSurface(volume.Geometry, source, request, 1)),
-    EncodeAndDecode(
-      MakeHeader(volume, isovalues, EdgeIndexMode::Lossless, profile), source, request));
+    EncodeAndDecode(header, source, request));
+  // Closed around what is inside, and around what is outside.
+  header.ClosedSides = request.ClosedSides = GridSides::All();
+  request.DropDegenerateTriangles = true;
+  for (const bool isBelow : { false, true })
+  {
+    header.ClosedSides.AreBeyondInside = request.ClosedSides.AreBeyondInside = isBelow;
+    ExpectSamePoints(Require(ExtractSurface(volume.Geometry, source, request, 1)),
+      EncodeAndDecode(header, source, MakeRequest({})));
+  }
 }
 
 } // namespace isosurface

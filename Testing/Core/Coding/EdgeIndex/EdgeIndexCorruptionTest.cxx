@@ -159,9 +159,28 @@ TEST(EdgeIndexCorruption, AUnitThatTheVersionDoesNotHaveIsCorrupt)
   }
 }
 
+TEST(EdgeIndexCorruption, ClosingThatTheVersionDoesNotHaveIsCorrupt)
+{
+  std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
+  std::size_t header = 0;
+  ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), header).IsOk());
+  for (const auto& [version, closing, isValid] : { std::tuple(3, 0, true), std::tuple(3, 1, true),
+         std::tuple(3, 2, true), std::tuple(3, 3, false), std::tuple(2, 1, false) })
+  {
+    bytes[8] = static_cast<std::uint8_t>(version);
+    bytes[235] = static_cast<std::uint8_t>(closing);
+    StoreLittleEndian(bytes.data() + header - 8, ComputeChecksum(bytes.data(), header - 8));
+    std::size_t size = 0;
+    const auto parsed = EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size);
+    EXPECT_EQ(parsed.GetStatus().GetCode(), isValid ? StatusCode::Ok : StatusCode::Corrupt)
+      << version << ", " << closing;
+    EXPECT_TRUE(!isValid || parsed->ClosedSides.IsEmpty() == (closing == 0));
+  }
+}
+
 TEST(EdgeIndexCorruption, OtherVersionsAreUnsupported)
 {
-  for (const std::uint8_t version : { 0, 3, 4, 255 })
+  for (const std::uint8_t version : { 0, 4, 5, 255 })
   {
     std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
     ASSERT_EQ(bytes[8], 1);
