@@ -427,7 +427,7 @@ class ErrorsAreOneLine(Case):
         self.check("none.vti: cannot open", "none.vti", "o.bvol")
         self.check('has no numeric point array "x"', source, "o.bvol",
                    "--arrays", "x")
-        self.check("/none/o.bvol", source, "/proc/none/o.bvol", ranks=2)
+        self.check("/proc/none/.o.bvol.stores", source, "/proc/none/o.bvol", ranks=2)
         self.check("truncated", os.path.join(INPUTS, "a.raw"), "o.bvol", "--dimensions", "70,67,1500")
         self.check("--memory", source, "o.bvol", "--memory", "0")
         for name, text in (("bad.vti", "<no xml"), ("bad.vtk", "no"), ("bad.tif", "no"),
