@@ -104,8 +104,9 @@ void ChangeFiles(
 /// Puts the checksums of checkpoints right, after the drawing in StoreJournal.cxx.
 void SealCheckpoints(std::map<std::string, SealedBytes>& files, const WriteJournal& journal)
 {
+  MemoryDisk empty;
   const std::string folder =
-    GetStoresFolder(disk, UnfinishedPath) + "/" + journal.Folder + "/store-00000/";
+    GetStoresFolder(empty, UnfinishedPath) + "/" + journal.Folder + "/store-00000/";
   SealedBytes& entries = files[folder + "entries.tmp"];
   // The number of a block, its offset, the lengths of its segments, one a level, and its range.
   constexpr std::size_t entryBytes = 8 + 8 + 2 * 4 + 16;
