@@ -22,8 +22,9 @@ void Use(const std::string& text, const BlockedVolumeHeader& header)
   Require(again->Format() == header.Format(), "what was read is written as it was");
   MemoryDisk disk;
   PutFile(disk, Path, SealedBytes(text.begin(), text.end()));
+  PutFile(disk, GetStoresFolder(disk, Path) + "/journal", {});
   const auto volume = BlockedVolume::Open(Path, disk);
-  Require(volume.IsOk(), "a header is enough to open a volume");
+  Require(volume.IsOk(), "a header and a folder are enough to open a volume");
   for (int level = 0; level < (*volume)->GetNumberOfLevels(); ++level)
   {
     Require((*volume)->EstimateBytes(0, level) > 0, "a volume has samples at each level");

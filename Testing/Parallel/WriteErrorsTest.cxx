@@ -91,7 +91,7 @@ TEST_F(WriteErrors, FolderThatCannotBe)
   const std::string file = this->Folder.GetPath("file");
   OnFirstRank([&] { WriteBytes(file, "not a folder"); });
   this->Writer->SetFileName((file + "/new.bvol").c_str());
-  this->ExpectFailure("Not a directory", "/file/new.bvol");
+  this->ExpectFailure("Not a directory", "/file/.new.bvol.stores");
   this->Writer->SetFileName(this->Path.c_str());
   this->ExpectSuccess();
 }

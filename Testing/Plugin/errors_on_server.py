@@ -53,7 +53,7 @@ class ErrorsOnServer(testing.TestCase):
             reader.UpdatePipeline()
         except RuntimeError:
             pass
-        shutil.copytree(testing.volume(".wave.bvol.stores"), testing.get_stores(path))
+        shutil.copytree(testing.get_stores(testing.volume("wave.bvol")), testing.get_stores(path))
         shutil.copy(testing.volume("wave.bvol"), path)
         simple.ReloadFiles(reader)
         surface = testing.contour(reader)

@@ -333,7 +333,7 @@ class InPlaceReader(testing.TestCase):
     def test_other_volume_at_the_place_of_the_index_is_kept(self):
         write_zarr(self.source, self.samples)
         shutil.copy(testing.volume("wave.bvol"), self.index)
-        shutil.copytree(testing.volume(".wave.bvol.stores"), testing.get_stores(self.index))
+        shutil.copytree(testing.get_stores(testing.volume("wave.bvol")), testing.get_stores(self.index))
         reader = self.open(self.source)
         self.assertEqual(testing.count_cells(reader), 0)
         reader.UpdatePropertyInformation()

@@ -44,8 +44,9 @@ def output(name):
 
 
 def get_stores(path):
-    """The folder of a blocked volume's stores."""
-    return os.path.join(os.path.dirname(path), f".{os.path.basename(path)}.stores")
+    """The folder of a blocked volume's stores: that of version 1.0.0, or else the hidden one."""
+    folder, name = os.path.split(path)
+    return path + ".stores" if os.path.exists(path + ".stores") else os.path.join(folder, f".{name}.stores")
 
 
 def baseline(name):

@@ -10,7 +10,7 @@ import plugin_testing as testing
 def copy_volume(name):
     path = testing.output(name)
     shutil.copy(testing.volume("wave.bvol"), path)
-    shutil.copytree(testing.volume(".wave.bvol.stores"), testing.get_stores(path))
+    shutil.copytree(testing.get_stores(testing.volume("wave.bvol")), testing.get_stores(path))
     return path
 
 
