@@ -155,6 +155,11 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
   }
   auto reader = vtkSmartPointer<vtkImageReader2>::Take(
     vtkImageReader2Factory::CreateImageReader2(path.c_str()));
+  // VTK's reader of Radiance takes any text that begins with "#".
+  if (reader && reader->IsA("vtkHDRReader") && extension != ".pic")
+  {
+    return nullptr;
+  }
   if (reader)
   {
     reader->SetFileName(path.c_str());

@@ -436,6 +436,9 @@ class ErrorsAreOneLine(Case):
                 file.write(text)
             self.check(f"{name}: ", name, "o.bvol")
             self.check(f"{name}: ", "--info", name)
+        with open(os.path.join(SCRATCH, "notes.md"), "w", encoding="ascii") as file:
+            file.write("# Notes\n")
+        self.check("notes.md: no reader knows", "notes.md", "o.bvol")
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol")))
 
     def test_output_that_is_the_input(self):
