@@ -31,8 +31,7 @@ bool HidesCells(const Blanking& hidden, vtkIdType count)
 Result<vtkSmartPointer<vtkDataArray>> AverageToPoints(
   vtkImageData* image, vtkDataArray* cells, int threads)
 {
-  const Result<ValueType> type = GetValueTypeOf(cells);
-  ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const ValueType type, GetValueTypeOf(cells));
   if (cells->GetNumberOfTuples() != image->GetNumberOfCells())
   {
     return Status(StatusCode::InvalidArgument,
@@ -51,7 +50,7 @@ Result<vtkSmartPointer<vtkDataArray>> AverageToPoints(
   // In coordinates of the image's own extent.
   const GridGeometry grid = MakeGridGeometry(image, image->GetExtent());
   CellTuples tuples;
-  tuples.Type = *type;
+  tuples.Type = type;
   tuples.NumberOfComponents = cells->GetNumberOfComponents();
   tuples.First = plain->GetVoidPointer(0);
   tuples.Box = MakeVertexBox(grid, image->GetExtent());
@@ -76,9 +75,8 @@ Result<vtkDataArray*> CellAverages::Find(
       return entry.Points.Get();
     }
   }
-  auto points = AverageToPoints(image, cells, threads);
-  ISOSURFACE_RETURN_IF_ERROR(points.GetStatus());
-  this->Entries.push_back({ cells, time, *points, true });
+  ISOSURFACE_ASSIGN_OR_RETURN(auto points, AverageToPoints(image, cells, threads));
+  this->Entries.push_back({ cells, time, points, true });
   return this->Entries.back().Points.Get();
 }
 

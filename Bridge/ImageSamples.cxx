@@ -298,13 +298,12 @@ Result<ImageSamples> MakeImageSamples(
         std::to_string(image->GetNumberOfPoints()) + " points; cell arrays must be converted to " +
         "point arrays first");
   }
-  const Result<ValueType> type = GetValueTypeOf(array);
-  ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const ValueType type, GetValueTypeOf(array));
   ImageSamples samples;
   samples.Array = MakePlainArray(array);
   samples.Hidden = FindBlanking(grid, image);
   samples.Components =
-    MakeComponentViews(samples.Array, *type, MakeVertexBox(grid, image->GetExtent()));
+    MakeComponentViews(samples.Array, type, MakeVertexBox(grid, image->GetExtent()));
   const VertexBox own = FindOwnVertices(grid, image);
   for (SampleView& view : samples.Components)
   {

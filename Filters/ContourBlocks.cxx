@@ -42,9 +42,9 @@ Status KeptPieces::FindArrays(const ImageContour::Settings& settings)
 {
   for (const ImagePiece& piece : this->Pieces.Pieces)
   {
-    auto attributes = FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
-    ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
-    this->Attributes.push_back(std::move(*attributes));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto attributes,
+      FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads));
+    this->Attributes.push_back(std::move(attributes));
     const auto components = static_cast<int>(piece.Samples.Components.size());
     this->Scalars.emplace_back(
       piece.Samples, *FindChosenComponent(components, settings.Component), settings.Threads);
@@ -144,9 +144,8 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const S
     return MakeLinesError(volume->GetPath() + " has a rectilinear grid");
   }
   QueryStatistics statistics;
-  auto plan = PlanQuery(*volume, query, level, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
-  std::vector<BlockReference>& active = plan->Blocks;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto plan, PlanQuery(*volume, query, level, statistics));
+  std::vector<BlockReference>& active = plan.Blocks;
   std::sort(active.begin(), active.end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
   blocks.Numbers.clear();

@@ -273,20 +273,19 @@ std::uint64_t ContourExecution::ComputeFingerprint(
 Status ContourExecution::MakeQuery(
   const VolumeInput& input, SurfaceQuery& query, ContourOutcome& outcome)
 {
-  const auto variable = input.FindVariable(this->GetArrayToContour(), this->Contour.GetComponent());
-  ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto variable,
+    input.FindVariable(this->GetArrayToContour(), this->Contour.GetComponent()));
   const std::shared_ptr<BlockedVolume> volume = input.GetVolume();
   const std::vector<ArrayDescription>& arrays = volume->GetHeader().Arrays;
   query.TimeStep = input.GetTimeStep();
-  query.Variable = *variable;
-  outcome.ArrayName = arrays[volume->GetVariables()[*variable].Array].Name;
+  query.Variable = variable;
+  outcome.ArrayName = arrays[volume->GetVariables()[variable].Array].Name;
   for (const std::string& name : this->ChooseInterpolatedArrays(outcome.ArrayName))
   {
-    const auto attribute = input.FindArray(name, "interpolate");
-    ISOSURFACE_RETURN_IF_ERROR(attribute.GetStatus());
-    query.Attributes.push_back(*attribute);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto attribute, input.FindArray(name, "interpolate"));
+    query.Attributes.push_back(attribute);
     outcome.Arrays.push_back(
-      { name, {}, { arrays[*attribute].Type, arrays[*attribute].Components } });
+      { name, {}, { arrays[attribute].Type, arrays[attribute].Components } });
   }
   const ContourRequest request = this->MakeRequest();
   query.Isovalues = request.Isovalues;
@@ -403,17 +402,17 @@ Status ContourExecution::ExtractOnce(
   wanted.FindsIslands = this->Contour.FindsIslands();
   wanted.Change = this->Contour.GetMTime();
   this->OfImages.Forget();
-  const auto choice = this->OfVolumes.Begin(ranks, task, sampled, wanted);
-  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
-  outcome.MayStay = choice->MayStay;
-  outcome.Stays = choice->Stays;
-  outcome.Cost.Level = choice->Level;
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto choice, this->OfVolumes.Begin(ranks, task, sampled, wanted));
+  outcome.MayStay = choice.MayStay;
+  outcome.Stays = choice.Stays;
+  outcome.Cost.Level = choice.Level;
   Status status;
   if (!outcome.Stays)
   {
     if (!wanted.Budget.IsLimited())
     {
-      this->WarnOfLackOfMemory(task, choice->Level);
+      this->WarnOfLackOfMemory(task, choice.Level);
     }
     status = this->OfVolumes.Extract(ranks, task, outcome);
   }
@@ -425,16 +424,15 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
 {
   ControllerCommunicator ranks = this->GetRanks();
   const int threads = this->ChooseThreads();
-  auto pieces = this->CollectPieces(ranks, inInfo, outcome.ArrayName);
-  ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
-  auto query = ImageContour::Query::Make(ranks, std::move(*pieces),
-    { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
-      this->MakeRegion(), threads, &this->Averages },
-    this->MakeRequest());
-  ISOSURFACE_RETURN_IF_ERROR(query.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto pieces, this->CollectPieces(ranks, inInfo, outcome.ArrayName));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto query,
+    ImageContour::Query::Make(ranks, std::move(pieces),
+      { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
+        this->MakeRegion(), threads, &this->Averages },
+      this->MakeRequest()));
   this->Averages.DropUnused();
   this->OfVolumes.Forget();
-  Status status = this->OfImages.Extract(ranks, std::move(*query), this->CoarseAllowed, outcome);
+  Status status = this->OfImages.Extract(ranks, std::move(query), this->CoarseAllowed, outcome);
   status = this->ChooseIslands(
     ranks, status, [&] { return this->OfImages.MakeIslandGrids(ranks); }, outcome);
   this->OfImages.End();
@@ -565,11 +563,11 @@ Status ContourExecution::CollectBlocksOfVolume(Communicator& ranks, const Volume
     if (this->Contour.GetMaximumTriangles() > 0)
     {
       QueryStatistics statistics;
-      const auto choice = ChooseLevel(*volume, query, level,
-        { 0, static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) },
-        this->OfVolumes.GetRate(), ranks, statistics);
-      ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
-      level = choice->Level;
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto choice,
+        ChooseLevel(*volume, query, level,
+          { 0, static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) },
+          this->OfVolumes.GetRate(), ranks, statistics));
+      level = choice.Level;
     }
     return AttemptOnAll(
       ranks, NotExtracted, [&] { return CollectVolumeBlocks(volume, query, level, blocks); });

@@ -129,9 +129,8 @@ Result<EdgeIndexHeader> ShareHeader(
     if (first != messages.end())
     {
       std::size_t used = 0;
-      auto parsed = EdgeIndexHeader::Parse(first->data(), first->size(), used);
-      ISOSURFACE_RETURN_IF_ERROR(parsed.GetStatus());
-      header = std::move(*parsed);
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        header, EdgeIndexHeader::Parse(first->data(), first->size(), used));
     }
     MatchNormals(header); // the bytes do not say it
     return Status::Ok();

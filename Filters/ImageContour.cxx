@@ -82,9 +82,8 @@ Result<ImageContour::Entry> ImageContour::TakeEntry(
   entry.Time = piece.GetTime();
   entry.Box = samples.Components.front().Box;
   entry.Scalars = ChosenScalars(samples, component, threads);
-  auto ranges = BlockRanges::Compute(entry.Scalars.GetView(samples), threads);
-  ISOSURFACE_RETURN_IF_ERROR(ranges.GetStatus());
-  entry.Ranges = std::move(*ranges);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    entry.Ranges, BlockRanges::Compute(entry.Scalars.GetView(samples), threads));
   return entry;
 }
 
@@ -96,19 +95,18 @@ Result<ImageContour::Query> ImageContour::Query::Make(
   {
     for (const ImagePiece& piece : query.Pieces.Pieces)
     {
-      auto attributes =
-        FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads);
-      ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
+      ISOSURFACE_ASSIGN_OR_RETURN(auto attributes,
+        FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads));
       if (query.Attributes.empty())
       {
-        query.Arrays = attributes->Arrays;
+        query.Arrays = attributes.Arrays;
       }
-      else if (attributes->Arrays != query.Arrays)
+      else if (attributes.Arrays != query.Arrays)
       {
         return Status(StatusCode::InvalidArgument,
           "the arrays to interpolate are not of the same types in all images of the input");
       }
-      query.Attributes.push_back(std::move(*attributes));
+      query.Attributes.push_back(std::move(attributes));
     }
     return Status::Ok();
   };
@@ -217,9 +215,9 @@ Status ImageContour::Prepare(const Query& query, Prepared& prepared)
   {
     const int component = *FindChosenComponent(
       static_cast<int>(piece.Samples.Components.size()), query.Choice.Component);
-    auto entry = this->TakeEntry(piece, component, query.Choice.Threads);
-    ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-    prepared.Entries.push_back(std::move(*entry));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto entry, this->TakeEntry(piece, component, query.Choice.Threads));
+    prepared.Entries.push_back(std::move(entry));
     prepared.Pieces.push_back({ piece.Grid, query.Pieces.Grids[piece.Grid].GetDimensions(),
       prepared.Entries.back().Scalars.GetView(piece.Samples), piece.Samples.Hidden });
   }
@@ -234,11 +232,8 @@ Status ImageContour::Extract(
   {
     const Status status = ExtractJoined(ranks, query, progress, outcome);
     // One rank alone may know that its pieces are of different types.
-    std::vector<std::uint64_t> cannotJoin = {
-      status.GetCode() == StatusCode::InvalidArgument ? 1U : 0U
-    };
-    ranks.ReduceMaximum(cannotJoin);
-    if (cannotJoin[0] == 0)
+    const bool cannotJoin = ranks.Any(status.GetCode() == StatusCode::InvalidArgument);
+    if (!cannotJoin)
     {
       return status;
     }
@@ -278,13 +273,13 @@ Status ImageContour::ExtractJoined(
     const PieceBlockSelection selection = { query.Request.Isovalues, query.Choice.Region,
       query.Request.ClosedSides, lines ? &*lines : nullptr, JoinedBlockSize,
       query.Request.Normals };
-    const auto source = PieceBlockSource::Make(
-      ranks, query.Pieces.Grids[grid], std::move(ofGrids[grid]), selection, query.Choice.Threads);
-    ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto source,
+      PieceBlockSource::Make(ranks, query.Pieces.Grids[grid], std::move(ofGrids[grid]), selection,
+        query.Choice.Threads));
     ContourRequest request = query.Request;
     request.Lines = selection.Lines;
     auto extracted =
-      ExtractSurface(query.Pieces.Grids[grid], **source, request, query.Choice.Threads, progress);
+      ExtractSurface(query.Pieces.Grids[grid], *source, request, query.Choice.Threads, progress);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(extracted.GetStatus()));
     blocks += extracted->NumberOfBlocks;
     ShiftGlobalIds(firstIds[grid], *extracted);
@@ -309,9 +304,7 @@ Status ImageContour::ExtractPieces(
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotContoured, prepare));
   if (query.Request.Normals)
   {
-    auto layers = PieceLayers::Collect(ranks, prepared.Pieces);
-    ISOSURFACE_RETURN_IF_ERROR(layers.GetStatus());
-    prepared.Layers = std::move(*layers);
+    ISOSURFACE_ASSIGN_OR_RETURN(prepared.Layers, PieceLayers::Collect(ranks, prepared.Pieces));
   }
   return Attempt(
     NotContoured, [&] { return this->ExtractPrepared(query, prepared, progress, outcome); });
@@ -332,11 +325,10 @@ Status ImageContour::ExtractPrepared(
       return !progress ||
         progress((static_cast<double>(number) + share) / static_cast<double>(pieces.size()));
     };
-    auto extracted = ExtractPiece(query, number, prepared, advance);
-    ISOSURFACE_RETURN_IF_ERROR(extracted.GetStatus());
-    outcome.Cost.Reading.ActiveBlocks += extracted->NumberOfBlocks;
-    ShiftGlobalIds(firstIds[pieces[number].Grid], *extracted);
-    surfaces.push_back(std::move(*extracted));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto extracted, ExtractPiece(query, number, prepared, advance));
+    outcome.Cost.Reading.ActiveBlocks += extracted.NumberOfBlocks;
+    ShiftGlobalIds(firstIds[pieces[number].Grid], extracted);
+    surfaces.push_back(std::move(extracted));
   }
   this->Entries = std::move(prepared.Entries);
   outcome.Extracted = JoinSurfaces(query, surfaces);

@@ -162,15 +162,13 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
   const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray, std::vector<Leaf>& leaves,
   std::size_t& numberOfImages)
 {
-  Result<std::vector<Leaf>> images = FindImages(input);
-  ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
-  numberOfImages = images->size();
-  for (Leaf& leaf : *images)
+  ISOSURFACE_ASSIGN_OR_RETURN(std::vector<Leaf> images, FindImages(input));
+  numberOfImages = images.size();
+  for (Leaf& leaf : images)
   {
     vtkImageData* image = leaf.Image;
-    const Result<vtkDataArray*> array = findArray(image);
-    ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
-    if (!*array)
+    ISOSURFACE_ASSIGN_OR_RETURN(vtkDataArray * array, findArray(image));
+    if (!array)
     {
       continue;
     }
@@ -193,7 +191,7 @@ Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
       }
     }
     leaf.IsDeclared = hasWhole;
-    leaf.Array = *array;
+    leaf.Array = array;
     leaf.Grid = MakeGridGeometry(image, extent);
     leaves.push_back(std::move(leaf));
   }
@@ -235,10 +233,10 @@ Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
   {
     const std::size_t grid =
       leaf.Lines ? images.size() + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid);
-    Result<ImageSamples> samples = MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      ImageSamples samples, MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array));
     pieces.Pieces.push_back(
-      { leaf.Image, leaf.Owner, std::move(*samples), grid, FindImageTime(inputInfo, leaf.Image) });
+      { leaf.Image, leaf.Owner, std::move(samples), grid, FindImageTime(inputInfo, leaf.Image) });
   }
   return Status::Ok();
 }
@@ -368,26 +366,23 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
     return Status(StatusCode::NotFound, "the input has no such point array");
   }
 
-  const auto images = UniteGrids(ranks, grids);
-  ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto images, UniteGrids(ranks, grids));
   std::vector<std::size_t> linedNumbers;
-  auto united = UniteLinedGrids(ranks, lined, linedNumbers);
-  ISOSURFACE_RETURN_IF_ERROR(united.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto united, UniteLinedGrids(ranks, lined, linedNumbers));
   ImagePieces pieces;
   std::vector<FieldPiece> described;
   const auto add = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(
-      AddPieces(inputInfo, leaves, *images, std::move(*united), linedNumbers, pieces));
+      AddPieces(inputInfo, leaves, images, std::move(united), linedNumbers, pieces));
     described = DescribeFieldPieces(leaves, pieces);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, add));
-  const auto fields = PieceFields::Find(ranks, described, threads);
-  ISOSURFACE_RETURN_IF_ERROR(fields.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto fields, PieceFields::Find(ranks, described, threads));
   const auto sort = [&]
   {
-    pieces = SortByFields(input, pieces, *fields);
+    pieces = SortByFields(input, pieces, fields);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, sort));
@@ -404,9 +399,8 @@ Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
     vtkDataArray* cells = piece.Image->GetCellData()->GetArray(name.c_str());
     if (!array && cells)
     {
-      const auto average = averages.Find(piece.Image, piece.ImageTime, cells, threads);
-      ISOSURFACE_RETURN_IF_ERROR(average.GetStatus());
-      array = *average;
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        array, averages.Find(piece.Image, piece.ImageTime, cells, threads));
     }
     if (!array || array->GetNumberOfTuples() != piece.Image->GetNumberOfPoints())
     {
@@ -414,17 +408,16 @@ Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
         "the input has no numeric point array or cell array \"" + name +
           "\" to interpolate everywhere");
     }
-    const Result<ValueType> type = GetValueTypeOf(array);
-    ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const ValueType type, GetValueTypeOf(array));
     attributes.Owners.push_back(MakePlainArray(array));
-    InterpolatedArray description{ name, {}, { *type, array->GetNumberOfComponents() } };
+    InterpolatedArray description{ name, {}, { type, array->GetNumberOfComponents() } };
     for (int n = 0; array->HasAComponentName() && n < array->GetNumberOfComponents(); ++n)
     {
       const char* componentName = array->GetComponentName(n);
       description.ComponentNames.emplace_back(componentName ? componentName : "");
     }
     const SampleView& scalars = piece.Samples.Components.front();
-    AttributeView view{ MakeComponentViews(attributes.Owners.back(), *type, scalars.Available) };
+    AttributeView view{ MakeComponentViews(attributes.Owners.back(), type, scalars.Available) };
     for (SampleView& component : view.Components)
     {
       component.Box = scalars.Box;

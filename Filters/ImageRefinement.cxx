@@ -95,9 +95,7 @@ Status ImageRefinement::ExtractFirst(
     ContourOutcome coarse;
     coarse.ArrayName = outcome.ArrayName;
     ISOSURFACE_RETURN_IF_ERROR(this->ExtractCoarsely(ranks, coarse));
-    std::vector<std::uint64_t> triangles = { coarse.Extracted.NumberOfTriangles };
-    ranks.ReduceSum(triangles);
-    const auto count = static_cast<double>(triangles[0]);
+    const auto count = static_cast<double>(ranks.Sum(coarse.Extracted.NumberOfTriangles));
     if (vertices <= DirectVertices && count * std::pow(growth, level) <= FirstSurfaceTriangles)
     {
       level = 0;
@@ -143,10 +141,9 @@ Status ImageRefinement::ExtractCoarsely(Communicator& ranks, ContourOutcome& out
 //------------------------------------------------------------------------------
 Status ImageRefinement::ExtractExactly(Communicator& ranks, ContourOutcome& outcome)
 {
-  std::vector<std::uint64_t> prepared = { this->Prepared ? 1U : 0U };
-  ranks.ReduceMinimum(prepared);
+  const bool prepared = ranks.All(this->Prepared != nullptr);
   const Progress progress = MakeProgress(this->Filter);
-  if (prepared[0] == 0)
+  if (!prepared)
   {
     this->Prepared.reset();
     return this->Exact.Extract(ranks, this->Last.Exact, progress, outcome);
@@ -210,9 +207,8 @@ Refinement ImageRefinement::Prepare(Communicator& ranks, double seconds)
     this->Drop();
     next = {};
     next.ShownLevel = pass.Level;
-    std::vector<std::uint64_t> triangles = { pass.Triangles };
-    ranks.ReduceSum(triangles);
-    next.Triangles = static_cast<double>(triangles[0] << (2 * pass.Level));
+    const std::uint64_t triangles = ranks.Sum(pass.Triangles);
+    next.Triangles = static_cast<double>(triangles << (2 * pass.Level));
     if (!this->BeginExact(ranks).IsOk())
     {
       // Refine extracts without preparation, and tells of the error.
@@ -222,11 +218,10 @@ Refinement ImageRefinement::Prepare(Communicator& ranks, double seconds)
     }
   }
   const bool isReady = this->Prepared->Work->Advance(ranks, seconds);
-  std::vector<std::uint64_t> slowest = { static_cast<std::uint64_t>(
-    this->Prepared->Work->GetProgress() * Millionths) };
-  ranks.ReduceMinimum(slowest);
+  const std::uint64_t slowest =
+    ranks.Minimum(static_cast<std::uint64_t>(this->Prepared->Work->GetProgress() * Millionths));
   next.Stage = isReady ? RefinementStage::Ready : RefinementStage::Working;
-  next.Share = static_cast<double>(slowest[0]) / Millionths;
+  next.Share = static_cast<double>(slowest) / Millionths;
   return next;
 }
 

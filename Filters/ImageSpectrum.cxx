@@ -191,9 +191,8 @@ Result<std::vector<WorkloadSpectrum>> CountGrids(
   std::vector<WorkloadSpectrum> spectra;
   for (const GridSpectrum& grid : grids)
   {
-    auto spectrum = grid.Count(ranks, bins, makeProgress());
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-    spectra.push_back(std::move(*spectrum));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto spectrum, grid.Count(ranks, bins, makeProgress()));
+    spectra.push_back(std::move(spectrum));
   }
   return spectra;
 }
@@ -203,10 +202,8 @@ Result<std::vector<WorkloadSpectrum>> CountGrids(
 Status ImageSpectrum::Collect(Communicator& ranks, vtkInformation* input,
   const ArrayChooser& choose, const std::string& name, int component, int threads)
 {
-  auto pieces =
-    CollectContouredPieces(ranks, input, choose, name, component, this->Averages, threads);
-  ISOSURFACE_RETURN_IF_ERROR(pieces.GetStatus());
-  this->Pieces = std::move(*pieces);
+  ISOSURFACE_ASSIGN_OR_RETURN(this->Pieces,
+    CollectContouredPieces(ranks, input, choose, name, component, this->Averages, threads));
   this->Component = component;
   this->Threads = threads;
   return Status::Ok();
@@ -263,9 +260,7 @@ Status ImageSpectrum::Count(Communicator& ranks, const Progress& progress)
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, make));
-  auto spectra = CountGrids(ranks, **type, std::move(grids), progress);
-  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
-  this->Spectra = std::move(*spectra);
+  ISOSURFACE_ASSIGN_OR_RETURN(this->Spectra, CountGrids(ranks, **type, std::move(grids), progress));
   return Status::Ok();
 }
 

@@ -181,9 +181,8 @@ Status SampledImage::Part::Fill(const Progress& progress)
 {
   if (!this->Samples)
   {
-    auto opened = LevelSamples::Open(this->Volume, this->TimeStep, this->Plan.Level);
-    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-    this->Samples = std::move(*opened);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      this->Samples, LevelSamples::Open(this->Volume, this->TimeStep, this->Plan.Level));
   }
   if (this->Box.IsEmpty())
   {
@@ -283,11 +282,11 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output
     this->IsOnlyTold = isNew;
     const auto make = [&]() -> Status
     {
-      auto planned = plan(*input.GetVolume(), input.GetHandle().GetArrays(),
-        isNew ? this->CoarseAllowed : this->IsCoarse);
-      ISOSURFACE_RETURN_IF_ERROR(planned.GetStatus());
-      this->Text = Describe(*planned, input);
-      image = std::move(*planned);
+      ISOSURFACE_ASSIGN_OR_RETURN(auto planned,
+        plan(*input.GetVolume(), input.GetHandle().GetArrays(),
+          isNew ? this->CoarseAllowed : this->IsCoarse));
+      this->Text = Describe(planned, input);
+      image = std::move(planned);
       return Status::Ok();
     };
     // RequestData tells why not.
@@ -334,28 +333,26 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
     {
       const BlockedVolume& volume = *input.GetVolume();
       const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
-      const auto planned = plan(volume, arrays, this->IsCoarse);
-      ISOSURFACE_RETURN_IF_ERROR(planned.GetStatus());
-      if (planned->Lines.has_value() != isRectilinear)
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto planned, plan(volume, arrays, this->IsCoarse));
+      if (planned.Lines.has_value() != isRectilinear)
       {
         return Status(StatusCode::Unsupported,
           volume.GetPath() + ": its grid is " + (isRectilinear ? "regular" : "rectilinear") +
             ", that of the file before in this series is not; open it by itself");
       }
       // Coarse images may have been allowed, or not any longer, since the pipeline was told.
-      TellGrid(planned->Grid, outInfo);
-      this->Text = Describe(*planned, input);
-      this->ShownLevel = planned->Level;
+      TellGrid(planned.Grid, outInfo);
+      this->Text = Describe(planned, input);
+      this->ShownLevel = planned.Level;
       ISOSURFACE_RETURN_IF_ERROR(
-        this->FillOutput(input, FindPart(*planned, request, output), outInfo, threads, *planned));
+        this->FillOutput(input, FindPart(planned, request, output), outInfo, threads, planned));
       if (!this->IsCoarse)
       {
         return Status::Ok();
       }
-      const auto exact = plan(volume, arrays, false);
-      ISOSURFACE_RETURN_IF_ERROR(exact.GetStatus());
-      auto next = this->DescribePart(input, FindPart(*exact, request, output), threads, *exact);
-      if (!IsSame(*exact, *planned) && !(this->Next && this->Next->IsOf(*next)))
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto exact, plan(volume, arrays, false));
+      auto next = this->DescribePart(input, FindPart(exact, request, output), threads, exact);
+      if (!IsSame(exact, planned) && !(this->Next && this->Next->IsOf(*next)))
       {
         this->Next = std::move(next);
       }
@@ -473,10 +470,9 @@ void SampledImage::DropRefinement()
 Refinement SampledImage::PrepareRefinement(vtkMultiProcessController* controller, double seconds)
 {
   ControllerCommunicator ranks(controller);
-  std::vector<std::uint64_t> may = { this->IsFinal() ? 0U : 1U };
-  ranks.ReduceMinimum(may);
+  const bool may = ranks.All(!this->IsFinal());
   Refinement refinement;
-  if (may[0] == 0)
+  if (!may)
   {
     this->DropRefinement();
     return refinement;

@@ -117,13 +117,12 @@ Result<std::size_t> VolumeInput::FindArray(const std::string& name, const char* 
 
 Result<std::size_t> VolumeInput::FindVariable(const std::string& name, int component) const
 {
-  const auto array = this->FindArray(name, "contour");
-  ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto array, this->FindArray(name, "contour"));
   const BlockedVolume& volume = *this->GetVolume();
-  const auto variable = volume.GetVariables().FindChoice(*array, component);
+  const auto variable = volume.GetVariables().FindChoice(array, component);
   if (!variable)
   {
-    const ArrayDescription& description = volume.GetHeader().Arrays[*array];
+    const ArrayDescription& description = volume.GetHeader().Arrays[array];
     return MakeComponentError(description.Name, description.Components, component);
   }
   return *variable;

@@ -63,10 +63,9 @@ Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& 
   {
     status = Status(StatusCode::Aborted, "reading was aborted");
   }
-  const auto news = volume.ShareStoreFaults(ranks);
-  ISOSURFACE_RETURN_IF_ERROR(news.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto news, volume.ShareStoreFaults(ranks));
   status = ranks.Agree(status);
-  ReportWarning(&filter, ranks, status, news->Warning);
+  ReportWarning(&filter, ranks, status, news.Warning);
   return status;
 }
 

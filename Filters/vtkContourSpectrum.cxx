@@ -223,22 +223,21 @@ Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& 
   {
     return Status::Ok();
   }
-  const auto variable = input.FindVariable(this->GetArrayName(), this->Filter.Component);
-  ISOSURFACE_RETURN_IF_ERROR(variable.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto variable, input.FindVariable(this->GetArrayName(), this->Filter.Component));
   isosurface::BlockedVolume& volume = *input.GetVolume();
   const std::size_t step = input.GetTimeStep();
-  const auto total = volume.GetSpectrum(step, *variable);
-  ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto total, volume.GetSpectrum(step, variable));
   this->Filter.Proposal =
-    isosurface::ProposeIsovalue(**total).value_or(std::numeric_limits<double>::quiet_NaN());
-  isosurface::AddSpectrumColumns({ **total }, this->Table);
+    isosurface::ProposeIsovalue(*total).value_or(std::numeric_limits<double>::quiet_NaN());
+  isosurface::AddSpectrumColumns({ *total }, this->Table);
   const int quantity = this->Filter.StoreQuantity;
   const std::uint32_t stores = quantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
-    const auto spectrum = volume.GetStoreSpectrum(step, *variable, store);
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-    isosurface::AddQuantityColumn(**spectrum, static_cast<std::size_t>(quantity),
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto spectrum, volume.GetStoreSpectrum(step, variable, store));
+    isosurface::AddQuantityColumn(*spectrum, static_cast<std::size_t>(quantity),
       "[" + std::to_string(store) + "]", this->Table);
   }
   return Status::Ok();
@@ -256,26 +255,20 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
     this->Ranks.ChooseThreads(this->Filter.NumberOfThreads)));
   if (this->Filter.ProposesAlone)
   {
-    const auto proposal = images->Propose(this->Ranks);
-    ISOSURFACE_RETURN_IF_ERROR(proposal.GetStatus());
-    this->Filter.Proposal = *proposal;
+    ISOSURFACE_ASSIGN_OR_RETURN(this->Filter.Proposal, images->Propose(this->Ranks));
     return Status::Ok();
   }
   const std::unique_ptr<Beside> beside = std::move(this->Filter.Counted);
   this->Filter.Counting[0] = Nothing;
-  std::vector<std::uint64_t> counted = {
-    beside && beside->Work->HasEnded() && beside->Fingerprint == images->ComputeFingerprint() ? 1u
-                                                                                              : 0u
-  };
-  this->Ranks.ReduceMinimum(counted);
-  if (counted[0] != 0)
+  const bool counted = this->Ranks.All(
+    beside && beside->Work->HasEnded() && beside->Fingerprint == images->ComputeFingerprint());
+  if (counted)
   {
     ISOSURFACE_RETURN_IF_ERROR(beside->Work->GetStatus());
     return this->Fill(*beside->Images);
   }
-  std::vector<std::uint64_t> samples = { images->CountSamples() };
-  this->Ranks.ReduceSum(samples);
-  if (samples[0] > static_cast<std::uint64_t>(this->Filter.SamplesAtOnce))
+  const std::uint64_t samples = this->Ranks.Sum(images->CountSamples());
+  if (samples > static_cast<std::uint64_t>(this->Filter.SamplesAtOnce))
   {
     return this->Begin(std::move(images));
   }
@@ -326,9 +319,8 @@ void vtkContourSpectrum::CountBeside(int samplesAtOnce)
 void vtkContourSpectrum::AdvanceCounting(int milliseconds)
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
-  std::vector<std::uint64_t> all = { this->Counted ? 1u : 0u };
-  ranks.ReduceMinimum(all);
-  if (all[0] == 0)
+  const bool all = ranks.All(this->Counted != nullptr);
+  if (!all)
   {
     this->Counted.reset();
     this->Counting[0] = Nothing;

@@ -268,31 +268,28 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   {
     return Status::Ok();
   }
-  const Result<EdgeIndexHeader> header = this->MakeHeader(blocks);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  auto arrays = isosurface::ShareArrays(ranks, blocks);
-  ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
-  blocks.Arrays = std::move(*arrays);
+  ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexHeader header, this->MakeHeader(blocks));
+  ISOSURFACE_ASSIGN_OR_RETURN(blocks.Arrays, isosurface::ShareArrays(ranks, blocks));
 
   const SurfaceExchange::Settings settings = this->MakeSettings();
   const isosurface::ContourRequest request =
-    MakeRequest(*header, blocks, this->Contour->GetGenerateTriangles() == 0);
-  SurfaceExchange exchange(ranks, *header, request, settings);
+    MakeRequest(header, blocks, this->Contour->GetGenerateTriangles() == 0);
+  SurfaceExchange exchange(ranks, header, request, settings);
   const double querySeconds = GetSecondsSince(begin);
-  Result<Surface> surface = exchange.Run(*blocks.Source, isosurface::MakeProgress(this->Filter));
-  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    Surface surface, exchange.Run(*blocks.Source, isosurface::MakeProgress(this->Filter)));
 
   const auto fill = [&]
   {
-    AddCost(ranks.GetRank(), exchange, *surface, querySeconds, output);
+    AddCost(ranks.GetRank(), exchange, surface, querySeconds, output);
     isosurface::AddToFieldData(output, "Level", blocks.Level);
-    isosurface::StoreLengthUnit(output, header->Geometry.Unit);
+    isosurface::StoreLengthUnit(output, header.Geometry.Unit);
     isosurface::MoveToPolyData(
-      *surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header->Array : "", output);
+      surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header.Array : "", output);
     isosurface::StoreRanges(output, settings.Threads);
-    if (header->Time)
+    if (header.Time)
     {
-      output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header->Time);
+      output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);
     }
     return Status::Ok();
   };

@@ -299,15 +299,14 @@ int vtkVolumeProbe::RequestData(
 //------------------------------------------------------------------------------
 Status vtkVolumeProbe::Steps::Probe(const std::vector<vtkDataSet*>& datasets)
 {
-  const auto samples =
-    isosurface::LevelSamples::Open(this->Input.GetVolume(), this->Input.GetTimeStep(), 0);
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto samples,
+    isosurface::LevelSamples::Open(this->Input.GetVolume(), this->Input.GetTimeStep(), 0));
   this->Parts = static_cast<int>(datasets.size()) *
     isosurface::CountComponents(*this->Input.GetVolume(), this->Input.GetHandle().GetArrays());
   isosurface::QueryStatistics statistics;
   for (vtkDataSet* dataset : datasets)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->ProbeOne(**samples, dataset, statistics));
+    ISOSURFACE_RETURN_IF_ERROR(this->ProbeOne(*samples, dataset, statistics));
   }
   return Status::Ok();
 }

@@ -243,11 +243,11 @@ Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockB
 {
   const StoredLevel stored = volume.FindLevel(level);
   const BlockGrid& grid = *stored.Grid;
-  Result<std::vector<BlockReference>> blocks = volume.ListBlocks(timeStep, statistics, level);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    std::vector<BlockReference> blocks, volume.ListBlocks(timeStep, statistics, level));
   const auto isOutside = [&](const BlockReference& block)
   { return !box.Contains(grid.GetBlockCoordinates(block.Block)); };
-  blocks->erase(std::remove_if(blocks->begin(), blocks->end(), isOutside), blocks->end());
+  blocks.erase(std::remove_if(blocks.begin(), blocks.end(), isOutside), blocks.end());
 
   const VertexBox available = box.GetGhostedVertices(grid, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
@@ -261,7 +261,7 @@ Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockB
     for (int component = 0; component < description.Components; ++component, ++done)
     {
       ISOSURFACE_RETURN_IF_ERROR(AssembleBlocks(volume, timeStep,
-        *volume.GetVariables().Find(array, component), level, box, *blocks, threads,
+        *volume.GetVariables().Find(array, component), level, box, blocks, threads,
         values->GetVoidPointer(component), description.Components, statistics, partProgress));
     }
     StoreVolumeRanges(volume, timeStep, array, values);

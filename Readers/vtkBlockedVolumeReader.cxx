@@ -490,9 +490,9 @@ isosurface::Result<vtkSmartPointer<vtkDataSet>> vtkBlockedVolumeReader::Reading:
     return vtkSmartPointer<vtkDataSet>();
   }
   isosurface::QueryStatistics statistics;
-  auto part = isosurface::ReadSlab(
-    *this->Volume, slab, this->Step, this->Arrays, level, this->Threads, statistics, progress);
-  ISOSURFACE_RETURN_IF_ERROR(part.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto part,
+    isosurface::ReadSlab(
+      *this->Volume, slab, this->Step, this->Arrays, level, this->Threads, statistics, progress));
   vtkLogF(1,
     "%s: piece %d of %d: level %d: %llu blocks read, %llu from the cache, %llu bytes read, "
     "%.4f s",
@@ -520,13 +520,13 @@ Status vtkBlockedVolumeReader::Reading::MakeSlab(vtkPartitionedDataSet* partitio
   const bool isPrepared = reader->IsOutputPrepared(0) && reader->Prepared &&
     reader->Prepared->Work->GetStatus().IsOk() &&
     reader->Prepared->Fingerprint == this->ComputeFingerprint(*level);
-  const auto slab =
-    isPrepared ? reader->Prepared->Slab : this->ReadSlab(*level, isosurface::MakeProgress(*reader));
-  ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
-  if (*slab)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto slab,
+    isPrepared ? reader->Prepared->Slab
+               : this->ReadSlab(*level, isosurface::MakeProgress(*reader)));
+  if (slab)
   {
     partitions->SetNumberOfPartitions(1);
-    partitions->SetPartition(0, *slab);
+    partitions->SetPartition(0, slab);
   }
   return Status::Ok();
 }
@@ -546,9 +546,7 @@ vtkBlockedVolumeReader::Reading::PrepareSlab() const
     [reading = *this, level = *level, &slab = output->Slab](
       const isosurface::Progress& advance) -> Status
     {
-      auto read = reading.ReadSlab(level, advance);
-      ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-      slab = *read;
+      ISOSURFACE_ASSIGN_OR_RETURN(slab, reading.ReadSlab(level, advance));
       return Status::Ok();
     });
   return output;

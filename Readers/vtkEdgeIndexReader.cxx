@@ -278,18 +278,17 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
       arrays.push_back({ attribute.Name, {}, { attribute.Type, attribute.NumberOfComponents } });
     }
   }
-  auto surface =
-    this->File->Read(selection, request, threads, isosurface::MakeProgress(this->Reader));
-  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto surface,
+    this->File->Read(selection, request, threads, isosurface::MakeProgress(this->Reader)));
   vtkLogF(1, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->Reader.FileName,
-    selection.Piece, selection.NumberOfPieces, surface->NumberOfBlocks, surface->NumberOfTriangles,
-    surface->TotalSeconds);
+    selection.Piece, selection.NumberOfPieces, surface.NumberOfBlocks, surface.NumberOfTriangles,
+    surface.TotalSeconds);
   if (this->Reader.ComputeNormals && !request.Normals)
   {
-    isosurface::ComputeNormalsOfTriangles(*surface);
+    isosurface::ComputeNormalsOfTriangles(surface);
   }
   isosurface::MoveToPolyData(
-    *surface, arrays, this->Reader.ComputeScalars ? header.Array : "", output);
+    surface, arrays, this->Reader.ComputeScalars ? header.Array : "", output);
   isosurface::StoreRanges(output, threads);
   isosurface::StoreLengthUnit(output, header.Geometry.Unit);
   if (header.Time)

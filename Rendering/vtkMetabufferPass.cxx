@@ -136,9 +136,7 @@ private:
 
 bool vtkMetabufferPass::Internals::IsPossibleOnAll(const vtkMetabufferPass& pass, bool isPossible)
 {
-  std::vector<std::uint64_t> impossible = { isPossible ? 0U : 1U };
-  isosurface::ControllerCommunicator(pass.Controller).ReduceMaximum(impossible);
-  return impossible.front() == 0;
+  return isosurface::ControllerCommunicator(pass.Controller).All(isPossible);
 }
 
 Status vtkMetabufferPass::Internals::AgreeToDraw(const vtkMetabufferPass& pass, bool isReady) const

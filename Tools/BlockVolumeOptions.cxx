@@ -282,12 +282,11 @@ void AddInspectingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& op
 
 Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)
 {
-  const auto dimensions = ParseThree("--dimensions", texts.Dimensions);
-  ISOSURFACE_RETURN_IF_ERROR(dimensions.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto dimensions, ParseThree("--dimensions", texts.Dimensions));
   RawVolume raw;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const double size = (*dimensions)[axis];
+    const double size = dimensions[axis];
     if (size < 1 || size > 2147483647 || size != static_cast<double>(static_cast<long>(size)))
     {
       return MakeError("--dimensions",
@@ -330,9 +329,7 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
       "\"" + texts.Distribution + "\": neither greedy, balanced, random nor slab");
   }
   options.Settings.Distribution = *distribution;
-  const auto compression = ParseCompression(texts.Compression);
-  ISOSURFACE_RETURN_IF_ERROR(compression.GetStatus());
-  options.Settings.Compression = *compression;
+  ISOSURFACE_ASSIGN_OR_RETURN(options.Settings.Compression, ParseCompression(texts.Compression));
   options.Settings.MemoryLimit = texts.MemoryMebibytes << 20;
   options.SandboxMemory = (texts.MemoryMebibytes + texts.SandboxMebibytes) << 20;
   if (!texts.Arrays.empty())
@@ -355,9 +352,8 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
   {
     if (!text->empty())
     {
-      const auto values = ParseThree(option, *text);
-      ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
-      *to = *values;
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto values, ParseThree(option, *text));
+      *to = values;
     }
   }
   options.Unit = FindLengthUnit(texts.Unit);
@@ -367,9 +363,7 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
   }
   if (!texts.Dimensions.empty())
   {
-    auto raw = MakeRaw(texts, options.Input);
-    ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
-    options.Raw = std::move(*raw);
+    ISOSURFACE_ASSIGN_OR_RETURN(options.Raw, MakeRaw(texts, options.Input));
   }
   return Status::Ok();
 }

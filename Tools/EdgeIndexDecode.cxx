@@ -38,14 +38,11 @@ std::string FindEnding(const std::string& path)
 /// Brings a file that another library has written to stable storage, and looks at its end.
 Status CheckWritten(const std::string& path, const std::string& end)
 {
-  const auto written = GetLocalFileSystem().OpenForUpdate(path);
-  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR((*written)->SyncAndClose());
-  const auto file = GetLocalFileSystem().OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  std::string last(std::min<std::uint64_t>(end.size(), (*file)->GetSize()), ' ');
-  ISOSURFACE_RETURN_IF_ERROR(
-    (*file)->Read((*file)->GetSize() - last.size(), last.size(), &last[0]));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto written, GetLocalFileSystem().OpenForUpdate(path));
+  ISOSURFACE_RETURN_IF_ERROR(written->SyncAndClose());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, GetLocalFileSystem().OpenForReading(path));
+  std::string last(std::min<std::uint64_t>(end.size(), file->GetSize()), ' ');
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(file->GetSize() - last.size(), last.size(), &last[0]));
   return last == end ? Status::Ok()
                      : Status(StatusCode::IoError, path + ": was not written to its end");
 }
@@ -71,14 +68,13 @@ Status WriteInOneStep(
 {
   const std::string partial = GetPartialEdgeIndexPath(path);
   FileSystem& files = GetLocalFileSystem();
-  auto lock = LockEdgeIndexFile(files, path);
-  ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto lock, LockEdgeIndexFile(files, path));
   Status status = Attempt(path, [&] { return write(partial); });
   if (status.IsOk())
   {
-    status = PutEdgeIndexFileInPlace(files, path, *lock);
+    status = PutEdgeIndexFileInPlace(files, path, lock);
   }
-  if (*lock)
+  if (lock)
   {
     static_cast<void>(files.RemoveAll(partial));
   }
@@ -198,21 +194,20 @@ std::vector<InterpolatedArray> ListArrays(const EdgeIndexHeader& header, bool is
 Status DecodeAtOnce(const EdgeIndexFile& file, const EdgeIndexOptions& options,
   const std::vector<std::size_t>& isovalues, int threads)
 {
-  auto surface = ReadSurface(file, options, isovalues, threads);
-  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
-  const std::size_t dropped = options.Output.empty() ? 0 : KeepFiniteTriangles(threads, *surface);
-  PrintCounts(options, surface->NumberOfPoints, surface->NumberOfTriangles, surface->TotalSeconds);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto surface, ReadSurface(file, options, isovalues, threads));
+  const std::size_t dropped = options.Output.empty() ? 0 : KeepFiniteTriangles(threads, surface);
+  PrintCounts(options, surface.NumberOfPoints, surface.NumberOfTriangles, surface.TotalSeconds);
   if (options.Output.empty())
   {
     return Status::Ok();
   }
-  if (surface->NumberOfTriangles == 0)
+  if (surface.NumberOfTriangles == 0)
   {
     return MakeEmptyError(options);
   }
   vtkNew<vtkPolyData> polyData;
   MoveToPolyData(
-    *surface, ListArrays(file.GetHeader(), options.IsPreview), file.GetHeader().Array, polyData);
+    surface, ListArrays(file.GetHeader(), options.IsPreview), file.GetHeader().Array, polyData);
   ISOSURFACE_RETURN_IF_ERROR(WriteInOneStep(
     options.Output, [&](const std::string& path) { return WritePolyData(polyData, path); }));
   WarnOfWritten(options, dropped, isovalues);
@@ -256,16 +251,16 @@ Status WriteMeshFile(const EdgeIndexFile& file, const EdgeIndexOptions& options,
 
 Status RunEdgeIndexVerify(const EdgeIndexOptions& options)
 {
-  const auto file = EdgeIndexFile::Open(GetLocalFileSystem(), options.Input);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto file, EdgeIndexFile::Open(GetLocalFileSystem(), options.Input));
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
-  const auto bytes = static_cast<double>((*file)->GetSize());
+  const auto bytes = static_cast<double>(file->GetSize());
   ProgressDisplay display(options.Input, bytes, !options.IsQuiet);
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Verify(threads, display.GetProgress()));
+  ISOSURFACE_RETURN_IF_ERROR(file->Verify(threads, display.GetProgress()));
   display.Clear();
   if (!options.IsQuiet)
   {
-    std::printf("%s: sound: %zu records, %s\n", options.Input.c_str(), (*file)->GetEntries().size(),
+    std::printf("%s: sound: %zu records, %s\n", options.Input.c_str(), file->GetEntries().size(),
       FormatBytes(bytes).c_str());
   }
   return Status::Ok();
@@ -274,17 +269,16 @@ Status RunEdgeIndexVerify(const EdgeIndexOptions& options)
 Status RunEdgeIndexDecode(const EdgeIndexOptions& options)
 {
   ISOSURFACE_RETURN_IF_ERROR(CheckOutput(options));
-  const auto file = EdgeIndexFile::Open(GetLocalFileSystem(), options.Input);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  if (!(*file)->IsComplete())
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto file, EdgeIndexFile::Open(GetLocalFileSystem(), options.Input));
+  if (!file->IsComplete())
   {
-    std::fprintf(stderr, "edgeindex: warning: %s\n", MakePrintable((*file)->GetMissing()).c_str());
+    std::fprintf(stderr, "edgeindex: warning: %s\n", MakePrintable(file->GetMissing()).c_str());
   }
   const int threads = options.Threads > 0 ? options.Threads : ChooseThreadCount(1);
-  const auto isovalues = FindIsovalues((*file)->GetHeader(), options);
-  ISOSURFACE_RETURN_IF_ERROR(isovalues.GetStatus());
-  return MeshFile::Knows(options.Output) ? WriteMeshFile(**file, options, *isovalues, threads)
-                                         : DecodeAtOnce(**file, options, *isovalues, threads);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto isovalues, FindIsovalues(file->GetHeader(), options));
+  return MeshFile::Knows(options.Output) ? WriteMeshFile(*file, options, isovalues, threads)
+                                         : DecodeAtOnce(*file, options, isovalues, threads);
 }
 
 } // namespace isosurface

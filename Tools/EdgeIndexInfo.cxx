@@ -206,9 +206,9 @@ void Print(const Json& told)
 
 Status RunEdgeIndexInfo(const EdgeIndexOptions& options)
 {
-  const auto file = EdgeIndexFile::Open(GetLocalFileSystem(), options.Input);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const Json told = Describe(**file);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto file, EdgeIndexFile::Open(GetLocalFileSystem(), options.Input));
+  const Json told = Describe(*file);
   if (options.IsJson)
   {
     std::printf("%s\n", Dump(told, 2).c_str());

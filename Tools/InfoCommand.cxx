@@ -80,19 +80,18 @@ std::string FormatVariable(const BlockedVolume& volume, std::size_t variable)
 Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::size_t variable)
 {
   const std::uint32_t stores = volume.GetHeader().NumberOfStores;
-  const auto total = volume.GetSpectrum(step, variable);
-  ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto total, volume.GetSpectrum(step, variable));
   std::vector<std::shared_ptr<const WorkloadSpectrum>> spectra;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
-    const auto spectrum = volume.GetStoreSpectrum(step, variable, store);
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-    spectra.push_back(*spectrum);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto spectrum, volume.GetStoreSpectrum(step, variable, store));
+    spectra.push_back(spectrum);
   }
   std::vector<std::pair<double, double>> balances; // each with its isovalue
-  for (std::size_t bin = 0; bin < (*total)->Bins.Count; ++bin)
+  for (std::size_t bin = 0; bin < total->Bins.Count; ++bin)
   {
-    if ((*total)->Triangles[bin] < MinimumTriangles * stores)
+    if (total->Triangles[bin] < MinimumTriangles * stores)
     {
       continue;
     }
@@ -102,7 +101,7 @@ Result<Json> MakeTriangleBalance(BlockedVolume& volume, std::size_t step, std::s
     {
       triangles.push_back(spectrum->Triangles[bin]);
     }
-    balances.emplace_back(ComputeBalance(triangles).get<double>(), (*total)->Bins.GetEdge(bin));
+    balances.emplace_back(ComputeBalance(triangles).get<double>(), total->Bins.GetEdge(bin));
   }
   if (balances.empty())
   {
@@ -119,10 +118,9 @@ Result<Json> MakeSpectra(BlockedVolume& volume, std::size_t step)
   Json spectra = Json::array();
   for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
   {
-    const auto spectrum = volume.GetSpectrum(step, variable);
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto spectrum, volume.GetSpectrum(step, variable));
     Json columns = { { "variable", FormatVariable(volume, variable) } };
-    for (const SpectrumColumn& column : MakeSpectrumColumns(**spectrum))
+    for (const SpectrumColumn& column : MakeSpectrumColumns(*spectrum))
     {
       columns[column.Name] = column.Values;
     }
@@ -176,9 +174,8 @@ Result<Json> MakeTimeStep(BlockedVolume& volume, std::size_t index)
   Json triangles = Json::array();
   for (std::size_t variable = 0; variable < step.Ranges.size(); ++variable)
   {
-    auto balance = MakeTriangleBalance(volume, index, variable);
-    ISOSURFACE_RETURN_IF_ERROR(balance.GetStatus());
-    triangles.push_back(std::move(*balance));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto balance, MakeTriangleBalance(volume, index, variable));
+    triangles.push_back(std::move(balance));
   }
   result["balance"] = { { "blocks", ComputeBalance(blocks) }, { "bytes", ComputeBalance(bytes) },
     { "triangles", std::move(triangles) } };
@@ -218,15 +215,13 @@ Result<Json> Describe(BlockedVolume& volume, bool withSpectrum)
   result["timeSteps"] = Json::array();
   for (std::size_t step = 0; step < header.TimeSteps.size(); ++step)
   {
-    auto described = MakeTimeStep(volume, step);
-    ISOSURFACE_RETURN_IF_ERROR(described.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(auto described, MakeTimeStep(volume, step));
     if (withSpectrum)
     {
-      auto spectra = MakeSpectra(volume, step);
-      ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
-      (*described)["spectra"] = std::move(*spectra);
+      ISOSURFACE_ASSIGN_OR_RETURN(auto spectra, MakeSpectra(volume, step));
+      described["spectra"] = std::move(spectra);
     }
-    result["timeSteps"].push_back(std::move(*described));
+    result["timeSteps"].push_back(std::move(described));
   }
   return result;
 }
@@ -316,12 +311,11 @@ Status PrintSpectra(BlockedVolume& volume, std::size_t step, bool isWhole)
 {
   for (std::size_t variable = 0; variable < volume.GetVariables().GetCount(); ++variable)
   {
-    const auto spectrum = volume.GetSpectrum(step, variable);
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-    const std::vector<SpectrumColumn> columns = MakeSpectrumColumns(**spectrum);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto spectrum, volume.GetSpectrum(step, variable));
+    const std::vector<SpectrumColumn> columns = MakeSpectrumColumns(*spectrum);
     const std::string table = isWhole
       ? FormatSpectrum(columns)
-      : FormatSpectrum(columns, PickBins(**spectrum, PrintedIsovalues));
+      : FormatSpectrum(columns, PickBins(*spectrum, PrintedIsovalues));
     std::printf(
       "  spectrum    %s\n%s", Json(FormatVariable(volume, variable)).dump().c_str(), table.c_str());
   }
@@ -381,16 +375,15 @@ Status Print(BlockedVolume& volume, const Json& told, bool withSpectrum)
 
 Status RunInfoCommand(const BlockVolumeOptions& options)
 {
-  const auto volume = BlockedVolume::Open(options.Input);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  const auto told = Describe(**volume, options.WithSpectrum && options.IsJson);
-  ISOSURFACE_RETURN_IF_ERROR(told.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto volume, BlockedVolume::Open(options.Input));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto told, Describe(*volume, options.WithSpectrum && options.IsJson));
   if (options.IsJson)
   {
-    std::printf("%s\n", told->dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    std::printf("%s\n", told.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
     return Status::Ok();
   }
-  return Print(**volume, *told, options.WithSpectrum);
+  return Print(*volume, told, options.WithSpectrum);
 }
 
 } // namespace isosurface

@@ -25,25 +25,25 @@ Result<InputVolume> OpenFile(const BlockVolumeOptions& options, std::size_t step
   choice.IgnoresPlaces = options.Spacing.has_value();
   choice.Arrays = options.Arrays;
   choice.CacheBytes = options.Settings.MemoryLimit / 4;
-  auto file = options.Raw ? options.Raw->OpenVolume(GetLocalFileSystem())
-                          : OpenForeignVolume(GetLocalFileSystem(), options.Input, choice);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const auto arrays = ChooseArrays(options.Input, file->Arrays, options.Arrays);
-  ISOSURFACE_RETURN_IF_ERROR(arrays.GetStatus());
-  auto files = SourceFiles::Find(GetLocalFileSystem(), std::move(file->Files));
-  ISOSURFACE_RETURN_IF_ERROR(files.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file,
+    options.Raw ? options.Raw->OpenVolume(GetLocalFileSystem())
+                : OpenForeignVolume(GetLocalFileSystem(), options.Input, choice));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto arrays, ChooseArrays(options.Input, file.Arrays, options.Arrays));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto files, SourceFiles::Find(GetLocalFileSystem(), std::move(file.Files)));
   InputVolume volume;
-  volume.Files = std::move(*files);
-  volume.Grid = file->Grid;
-  volume.Lines = std::move(file->Lines);
-  volume.Arrays = *arrays;
-  volume.LeftOut = file->LeftOut;
-  volume.Times = file->Times;
-  if (step < file->Times.size())
+  volume.Files = std::move(files);
+  volume.Grid = file.Grid;
+  volume.Lines = std::move(file.Lines);
+  volume.Arrays = arrays;
+  volume.LeftOut = file.LeftOut;
+  volume.Times = file.Times;
+  if (step < file.Times.size())
   {
-    volume.Time = file->Times[step];
+    volume.Time = file.Times[step];
   }
-  volume.Source = std::move(file->Source);
+  volume.Source = std::move(file.Source);
   return volume;
 }
 

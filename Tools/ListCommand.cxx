@@ -14,9 +14,8 @@ namespace isosurface
 
 Status RunListCommand(const BlockVolumeOptions& options)
 {
-  auto list = ListForeignVolumes(GetLocalFileSystem(), options.Input);
-  ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
-  for (VolumeListing& entry : *list)
+  ISOSURFACE_ASSIGN_OR_RETURN(auto list, ListForeignVolumes(GetLocalFileSystem(), options.Input));
+  for (VolumeListing& entry : list)
   {
     for (std::string* text : { &entry.Name, &entry.Shape, &entry.Type, &entry.Storage })
     {
@@ -24,13 +23,13 @@ Status RunListCommand(const BlockVolumeOptions& options)
     }
   }
   std::size_t widths[3] = {};
-  for (const VolumeListing& entry : *list)
+  for (const VolumeListing& entry : list)
   {
     widths[0] = std::max(widths[0], entry.Name.size());
     widths[1] = std::max(widths[1], entry.Shape.size());
     widths[2] = std::max(widths[2], entry.Type.size());
   }
-  for (const VolumeListing& entry : *list)
+  for (const VolumeListing& entry : list)
   {
     std::printf("%-*s  %-*s  %-*s  %s\n", static_cast<int>(widths[0]), entry.Name.c_str(),
       static_cast<int>(widths[1]), entry.Shape.c_str(), static_cast<int>(widths[2]),

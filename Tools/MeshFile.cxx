@@ -85,21 +85,20 @@ Result<std::unique_ptr<MeshFile>> MeshFile::Create(
   FileSystem& files, const EdgeIndexHeader& header, const Settings& settings)
 {
   ISOSURFACE_RETURN_IF_ERROR(CheckLimits(settings));
-  auto file = files.CreateForWriting(settings.Partial);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.CreateForWriting(settings.Partial));
   if (EndsIn(settings.Path, ".stl"))
   {
-    return StlFile::Create(std::move(*file), settings);
+    return StlFile::Create(std::move(file), settings);
   }
   if (EndsIn(settings.Path, ".ply"))
   {
-    return PlyFile::Create(files, std::move(*file), settings);
+    return PlyFile::Create(files, std::move(file), settings);
   }
   if (EndsIn(settings.Path, ".obj"))
   {
-    return ObjFile::Create(std::move(*file), header, settings);
+    return ObjFile::Create(std::move(file), header, settings);
   }
-  return GlbFile::Create(std::move(*file), header, settings);
+  return GlbFile::Create(std::move(file), header, settings);
 }
 
 } // namespace isosurface

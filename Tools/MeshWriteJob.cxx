@@ -92,8 +92,8 @@ Status MeshWriteJob::Write(
   {
     std::fprintf(stderr, "edgeindex: warning: %s\n", warning.c_str());
   }
-  const auto output = MeshFile::Create(GetLocalFileSystem(), header, settings);
-  ISOSURFACE_RETURN_IF_ERROR(output.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto output, MeshFile::Create(GetLocalFileSystem(), header, settings));
   std::uint64_t done = 0;
   for (const SurfacePiece& piece : pieces)
   {
@@ -103,10 +103,10 @@ Status MeshWriteJob::Write(
       return progress(
         (static_cast<double>(done) + share * static_cast<double>(piece.NumberOfPoints)) / all);
     };
-    ISOSURFACE_RETURN_IF_ERROR(this->WritePiece(piece, **output, ofPiece));
+    ISOSURFACE_RETURN_IF_ERROR(this->WritePiece(piece, *output, ofPiece));
     done += piece.NumberOfPoints;
   }
-  return (*output)->Finish();
+  return output->Finish();
 }
 
 Status MeshWriteJob::WritePiece(
@@ -122,33 +122,33 @@ Status MeshWriteJob::WritePiece(
   ContourRequest request;
   request.GlobalIds = true;
   request.Normals = this->HasNormals;
-  auto surface = this->File.Read(selection, request, this->Chosen.Threads, progress);
-  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
-  this->NumberOfDroppedTriangles += KeepFiniteTriangles(this->Chosen.Threads, *surface);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto surface, this->File.Read(selection, request, this->Chosen.Threads, progress));
+  this->NumberOfDroppedTriangles += KeepFiniteTriangles(this->Chosen.Threads, surface);
   this->Shared.Begin(piece);
   // A piece has the share of the triangles that it has of the points.
   const bool isSimplified = this->Chosen.NumberOfTriangles > 0;
   const double aimOfPiece = static_cast<double>(this->Chosen.NumberOfTriangles) *
     static_cast<double>(piece.NumberOfPoints) /
     static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
-  const std::vector<float> local = this->MakeLocalPoints(*surface);
+  const std::vector<float> local = this->MakeLocalPoints(surface);
   std::vector<std::uint32_t> corners;
-  for (std::size_t isovalue = 0; isovalue < surface->Parts.size(); ++isovalue)
+  for (std::size_t isovalue = 0; isovalue < surface.Parts.size(); ++isovalue)
   {
-    const SurfacePart& part = surface->Parts[isovalue];
+    const SurfacePart& part = surface.Parts[isovalue];
     corners.resize(3 * part.NumberOfCells);
     for (std::size_t corner = 0; corner < corners.size(); ++corner)
     {
       corners[corner] =
-        static_cast<std::uint32_t>(surface->Connectivity[3 * part.FirstCell + corner] -
+        static_cast<std::uint32_t>(surface.Connectivity[3 * part.FirstCell + corner] -
           static_cast<std::int64_t>(part.FirstPoint));
     }
     Mesh mesh;
-    mesh.Points = (this->Origin ? local.data() : surface->Points.GetData()) + 3 * part.FirstPoint;
+    mesh.Points = (this->Origin ? local.data() : surface.Points.GetData()) + 3 * part.FirstPoint;
     mesh.DoublePoints =
-      this->Origin ? surface->DoublePoints.GetData() + 3 * part.FirstPoint : nullptr;
-    mesh.Normals = this->HasNormals ? surface->Normals.GetData() + 3 * part.FirstPoint : nullptr;
-    mesh.GlobalIds = surface->GlobalIds.GetData() + part.FirstPoint;
+      this->Origin ? surface.DoublePoints.GetData() + 3 * part.FirstPoint : nullptr;
+    mesh.Normals = this->HasNormals ? surface.Normals.GetData() + 3 * part.FirstPoint : nullptr;
+    mesh.GlobalIds = surface.GlobalIds.GetData() + part.FirstPoint;
     mesh.NumberOfPoints = part.NumberOfPoints;
     mesh.Corners = corners.data();
     mesh.NumberOfTriangles = part.NumberOfCells;
@@ -156,7 +156,7 @@ Status MeshWriteJob::WritePiece(
     if (part.NumberOfCells > 0)
     {
       const auto aim = static_cast<std::size_t>(aimOfPiece *
-        static_cast<double>(part.NumberOfCells) / static_cast<double>(surface->NumberOfTriangles));
+        static_cast<double>(part.NumberOfCells) / static_cast<double>(surface.NumberOfTriangles));
       ISOSURFACE_RETURN_IF_ERROR(
         this->WritePart(mesh, isSimplified ? aim : mesh.NumberOfTriangles, output));
     }

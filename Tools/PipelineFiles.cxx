@@ -31,9 +31,8 @@ Result<PipelineFiles> PipelineFiles::Find(const std::string& path, std::size_t s
     isPattern ? FindFittingNames(files, path, &over) : ListNames(files, path);
   if (!isPattern || fitting.empty() || !SliceFiles::FindKind(fitting).empty())
   {
-    auto slices = SliceFiles::Find(files, path);
-    ISOSURFACE_RETURN_IF_ERROR(slices.GetStatus());
-    return PipelineFiles{ std::move(slices->Paths), 1, std::move(slices->LeftOut) };
+    ISOSURFACE_ASSIGN_OR_RETURN(auto slices, SliceFiles::Find(files, path));
+    return PipelineFiles{ std::move(slices.Paths), 1, std::move(slices.LeftOut) };
   }
   std::vector<NumberedName> names(fitting.begin(), fitting.end());
   std::stable_sort(names.begin(), names.end());

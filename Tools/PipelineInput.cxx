@@ -431,10 +431,9 @@ Status DescribeInput(const std::string& path, vtkImageData* slice, int whole[6],
   {
     return Status(status.GetCode(), path + ": " + status.GetMessage());
   }
-  const auto chosen = ChooseArrays(path, local.Arrays, arrays);
-  ISOSURFACE_RETURN_IF_ERROR(chosen.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto chosen, ChooseArrays(path, local.Arrays, arrays));
   volume.Grid = local.Grid;
-  volume.Arrays = *chosen;
+  volume.Arrays = chosen;
   volume.LeftOut = arrays.empty() ? choice->LeftOut : "";
   volume.Time = FindTime(slice);
   return Status::Ok();
@@ -446,20 +445,18 @@ Result<InputVolume> OpenPipelineInput(const std::string& input, std::size_t step
   const std::vector<std::string>& arrays, bool withCells, std::uint64_t wholeBytes)
 {
   GetErrorKeeper();
-  const auto files = PipelineFiles::Find(input, step);
-  ISOSURFACE_RETURN_IF_ERROR(files.GetStatus());
-  const bool isStack = files->Paths.size() > 1;
-  const std::string& path = isStack ? input : files->Paths.front();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto files, PipelineFiles::Find(input, step));
+  const bool isStack = files.Paths.size() > 1;
+  const std::string& path = isStack ? input : files.Paths.front();
   if (!isStack && !GetLocalFileSystem().Exists(path))
   {
     return Status(StatusCode::NotFound, path + ": cannot open: No such file or directory");
   }
-  auto seen = SourceFiles::Find(GetLocalFileSystem(), files->Paths);
-  ISOSURFACE_RETURN_IF_ERROR(seen.GetStatus());
-  const auto made = isStack ? MakeStackReader(files->Paths)
-                            : Result<vtkSmartPointer<vtkAlgorithm>>(MakeReaderOf(path));
-  ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
-  const vtkSmartPointer<vtkAlgorithm>& reader = *made;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto seen, SourceFiles::Find(GetLocalFileSystem(), files.Paths));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto made,
+    isStack ? MakeStackReader(files.Paths)
+            : Result<vtkSmartPointer<vtkAlgorithm>>(MakeReaderOf(path)));
+  const vtkSmartPointer<vtkAlgorithm>& reader = made;
   if (!reader)
   {
     return Status(StatusCode::Unsupported,
@@ -474,16 +471,15 @@ Result<InputVolume> OpenPipelineInput(const std::string& input, std::size_t step
   int whole[6];
   information->Get(Pipeline::WHOLE_EXTENT(), whole);
   ISOSURFACE_RETURN_IF_ERROR(CheckSlice(path, whole, 4 * wholeBytes));
-  const auto slice = Read(reader, path, whole, false, withCells);
-  ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto slice, Read(reader, path, whole, false, withCells));
   InputVolume volume;
-  volume.Files = std::move(*seen);
-  ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, slice->Image, whole, arrays, withCells, volume));
-  ISOSURFACE_RETURN_IF_ERROR(TakeLines(reader, path, *slice, whole, volume));
-  volume.LeftOut += (volume.LeftOut.empty() || files->LeftOut.empty() ? "" : "; ") + files->LeftOut;
-  if (files->Steps > 1)
+  volume.Files = std::move(seen);
+  ISOSURFACE_RETURN_IF_ERROR(DescribeInput(path, slice.Image, whole, arrays, withCells, volume));
+  ISOSURFACE_RETURN_IF_ERROR(TakeLines(reader, path, slice, whole, volume));
+  volume.LeftOut += (volume.LeftOut.empty() || files.LeftOut.empty() ? "" : "; ") + files.LeftOut;
+  if (files.Steps > 1)
   {
-    volume.Times.resize(files->Steps);
+    volume.Times.resize(files.Steps);
     std::iota(volume.Times.begin(), volume.Times.end(), 0.0);
     volume.Time = static_cast<double>(step);
   }
@@ -495,9 +491,8 @@ Result<InputVolume> OpenPipelineInput(const std::string& input, std::size_t step
     volume.Owner = std::make_shared<vtkSmartPointer<vtkAlgorithm>>(reader);
     return volume;
   }
-  const auto all = Read(reader, path, whole, true, withCells);
-  ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(TakeWhole(all->Image, path, whole, withCells, volume));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto all, Read(reader, path, whole, true, withCells));
+  ISOSURFACE_RETURN_IF_ERROR(TakeWhole(all.Image, path, whole, withCells, volume));
   volume.HeldBytes = bytes;
   return volume;
 }

@@ -65,9 +65,8 @@ Status Copy(const RandomAccessFile& from, WritableFile& to)
 Result<std::unique_ptr<MeshFile>> PlyFile::Create(
   FileSystem& files, std::unique_ptr<WritableFile> file, const Settings& settings)
 {
-  auto faces = files.CreateForWriting(settings.Partial + ".faces");
-  ISOSURFACE_RETURN_IF_ERROR(faces.GetStatus());
-  std::unique_ptr<PlyFile> mesh(new PlyFile(files, std::move(file), std::move(*faces), settings));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto faces, files.CreateForWriting(settings.Partial + ".faces"));
+  std::unique_ptr<PlyFile> mesh(new PlyFile(files, std::move(file), std::move(faces), settings));
   const std::string text = mesh->MakeHeader();
   ISOSURFACE_RETURN_IF_ERROR(mesh->File->Append(text.data(), text.size()));
   return std::unique_ptr<MeshFile>(std::move(mesh));
@@ -156,9 +155,8 @@ Status PlyFile::Finish()
 {
   const std::string faces = this->Faces->GetPath();
   ISOSURFACE_RETURN_IF_ERROR(this->Faces->SyncAndClose());
-  const auto written = this->Files.OpenForReading(faces);
-  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(Copy(**written, *this->File));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto written, this->Files.OpenForReading(faces));
+  ISOSURFACE_RETURN_IF_ERROR(Copy(*written, *this->File));
   const std::string text = this->MakeHeader();
   ISOSURFACE_RETURN_IF_ERROR(this->File->WriteAt(0, text.data(), text.size()));
   return this->File->SyncAndClose();

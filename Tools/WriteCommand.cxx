@@ -46,10 +46,9 @@ Result<std::optional<SourceRecord>> PrepareInput(
   std::optional<SourceRecord> inPlace;
   if (options.IsInPlace)
   {
-    auto record = DescribeSource(
-      files, OpenForeignVolume, options.Output, options.Input, wanted, volume.Grid, volume.Arrays);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-    inPlace = std::move(*record);
+    ISOSURFACE_ASSIGN_OR_RETURN(inPlace,
+      DescribeSource(files, OpenForeignVolume, options.Output, options.Input, wanted, volume.Grid,
+        volume.Arrays));
   }
   ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(volume.Source, files, OpenForeignVolume,
     options.Output, options.Input, inPlace.value_or(wanted), volume.Grid, volume.Arrays,

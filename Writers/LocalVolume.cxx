@@ -69,21 +69,19 @@ Status LocalVolume::CollectArrays(vtkImageData* image, const Selection& isSelect
     {
       continue;
     }
-    const auto type = GetValueTypeOf(array);
-    ISOSURFACE_RETURN_IF_ERROR(type.GetStatus());
-    auto samples = MakeImageSamples(this->Grid, image, array);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto type, GetValueTypeOf(array));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto samples, MakeImageSamples(this->Grid, image, array));
     // A label is only for people to read: one that no header can have is left out.
     const std::string unit = GetUnitOf(array);
     this->Arrays.push_back(
-      { name, *type, array->GetNumberOfComponents(), IsUtf8(unit) ? unit : std::string() });
-    for (SampleView& view : samples->Components)
+      { name, type, array->GetNumberOfComponents(), IsUtf8(unit) ? unit : std::string() });
+    for (SampleView& view : samples.Components)
     {
       // A writer needs what there is, ghosts included: they are samples like all others.
       view.Box = view.Available;
       this->Piece.Arrays.push_back(view);
     }
-    this->Owners.push_back(samples->Array);
+    this->Owners.push_back(samples.Array);
   }
   return Status::Ok();
 }
@@ -98,9 +96,9 @@ Status LocalVolume::AverageCellArrays(vtkImageData* image, const Selection& isSe
     if (array && array != image->GetCellGhostArray() && isSelected(GetNameOf(array)) &&
       !image->GetPointData()->HasArray(GetNameOf(array).c_str()))
     {
-      const auto average = AverageToPoints(image, array, ChooseThreadCount(1));
-      ISOSURFACE_RETURN_IF_ERROR(average.GetStatus());
-      averages.push_back(*average);
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        const auto average, AverageToPoints(image, array, ChooseThreadCount(1)));
+      averages.push_back(average);
     }
   }
   return Status::Ok();
@@ -114,9 +112,8 @@ Status LocalVolume::UniteLines(Communicator& ranks)
     mine.push_back(*this->Lines);
   }
   std::vector<std::size_t> numbers;
-  auto united = UniteLinedGrids(ranks, mine, numbers);
-  ISOSURFACE_RETURN_IF_ERROR(united.GetStatus());
-  std::vector<LinedGrid>& grids = *united;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto united, UniteLinedGrids(ranks, mine, numbers));
+  std::vector<LinedGrid>& grids = united;
   Status status;
   if (grids.size() > 1)
   {

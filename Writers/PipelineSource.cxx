@@ -135,16 +135,15 @@ bool PipelineSource::TakeArrays(
 
 Result<BoxSamples> PipelineSource::Read(const VertexBox& box)
 {
-  const auto input = WriterInput::Take(this->UpdateInput(box));
-  ISOSURFACE_RETURN_IF_ERROR(input.GetStatus());
-  if (!input->Image)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto input, WriterInput::Take(this->UpdateInput(box)));
+  if (!input.Image)
   {
     return Status(StatusCode::InvalidArgument, "the input is no image data any more");
   }
   auto local = std::make_shared<LocalVolume>();
   local->Grid = this->Grid;
   local->WithCells = this->WithCells;
-  ISOSURFACE_RETURN_IF_ERROR(local->CollectArrays(input->Image,
+  ISOSURFACE_RETURN_IF_ERROR(local->CollectArrays(input.Image,
     [this](const std::string& name)
     {
       return std::any_of(this->Arrays.begin(), this->Arrays.end(),

@@ -93,9 +93,9 @@ Result<GridLines> WriterInput::FindWholeLines(
   {
     return incomplete;
   }
-  const auto taken = Take(PipelineSource::Update(input, information, column.data()));
-  ISOSURFACE_RETURN_IF_ERROR(taken.GetStatus());
-  if (!taken->Image || !cut(*taken, column, 2))
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto taken, Take(PipelineSource::Update(input, information, column.data())));
+  if (!taken.Image || !cut(taken, column, 2))
   {
     return incomplete;
   }

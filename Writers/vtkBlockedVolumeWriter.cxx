@@ -219,31 +219,31 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
   {
     ISOSURFACE_RETURN_IF_ERROR(handle->GetStatus());
   }
-  const auto input = isosurface::WriterInput::Find(this->Owner.Superclass::GetInput());
-  ISOSURFACE_RETURN_IF_ERROR(input.GetStatus());
-  vtkImageData* image = input->Image;
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto input, isosurface::WriterInput::Find(this->Owner.Superclass::GetInput()));
+  vtkImageData* image = input.Image;
   if (!image || image->GetNumberOfPoints() == 0)
   {
     return Status::Ok();
   }
   const bool withCells = this->Owner.WriteCellArrays && !handle;
-  const auto choice = isosurface::ArrayChoice::Make(image,
-    this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr,
-    withCells);
-  ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto choice,
+    isosurface::ArrayChoice::Make(image,
+      this->Owner.ChooseArraysToWrite ? this->Owner.PointDataArraySelection.Get() : nullptr,
+      withCells));
   const bool isFirst = this->Owner.TimeIndex == 0 &&
     (!this->Owner.Controller || this->Owner.Controller->GetLocalProcessId() == 0);
-  if (isFirst && !choice->LeftOut.empty())
+  if (isFirst && !choice.LeftOut.empty())
   {
-    vtkWarningWithObjectMacro(&this->Owner, << choice->LeftOut);
+    vtkWarningWithObjectMacro(&this->Owner, << choice.LeftOut);
   }
   local.WithCells = withCells;
   if (handle)
   {
-    this->DescribeVolume(*handle, *choice, local);
+    this->DescribeVolume(*handle, choice, local);
     return Status::Ok();
   }
-  return this->CollectImage(*input, *choice, local);
+  return this->CollectImage(input, choice, local);
 }
 
 //------------------------------------------------------------------------------
@@ -321,10 +321,10 @@ Status vtkBlockedVolumeWriter::Session::CollectLines(
     *input.Lines };
   if (this->Owner.MemoryLimit > 0)
   {
-    auto lines = input.FindWholeLines(
-      this->Owner.GetInputConnection(0, 0), this->Owner.GetInputInformation(), whole);
-    ISOSURFACE_RETURN_IF_ERROR(lines.GetStatus());
-    local.Lines = { local.Grid, std::move(*lines) };
+    ISOSURFACE_ASSIGN_OR_RETURN(auto lines,
+      input.FindWholeLines(
+        this->Owner.GetInputConnection(0, 0), this->Owner.GetInputInformation(), whole));
+    local.Lines = { local.Grid, std::move(lines) };
     return local.Lines->Lines.Check(local.Grid.GetDimensions());
   }
   return Status::Ok();
@@ -392,10 +392,10 @@ Result<std::unique_ptr<isosurface::BoxSource>> vtkBlockedVolumeWriter::Session::
     {
       arrays.push_back(*handle->GetVolume()->GetHeader().FindArray(array.Name));
     }
-    auto source = isosurface::StoredBoxSource::Make(
-      handle->GetVolume(), handle->FindTimeStep(inInfo), arrays, this->Ranks.ChooseThreads(0));
-    ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-    return std::unique_ptr<isosurface::BoxSource>(std::move(*source));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto source,
+      isosurface::StoredBoxSource::Make(
+        handle->GetVolume(), handle->FindTimeStep(inInfo), arrays, this->Ranks.ChooseThreads(0)));
+    return std::unique_ptr<isosurface::BoxSource>(std::move(source));
   }
   if (this->Owner.MemoryLimit > 0)
   {

@@ -319,9 +319,8 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
     this->Contour, this->Ranks.GetRank(), this->Ranks.GetSize(), time, blocks));
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
     blocks.Volume ? isosurface::CheckIsOther(path, blocks.Volume->GetPath()) : Status::Ok()));
-  const Result<EdgeIndexHeader> header = this->MakeHeader(blocks);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, *header,
+  ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexHeader header, this->MakeHeader(blocks));
+  isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, header,
     *blocks.Source, blocks.Numbers, this->MakeSettings());
   const auto written =
     job.Run(isosurface::MakeProgress(this->Writer, this->FirstShare, this->LastShare));

@@ -165,9 +165,8 @@ Result<bool> vtkInPlaceVolumeReader::Steps::IsIndexWanted(isosurface::Communicat
 
 Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
 {
-  const auto wanted = this->IsIndexWanted(ranks);
-  ISOSURFACE_RETURN_IF_ERROR(wanted.GetStatus());
-  if (!*wanted)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto wanted, this->IsIndexWanted(ranks));
+  if (!wanted)
   {
     return Status::Ok();
   }
@@ -177,11 +176,10 @@ Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
     ISOSURFACE_RETURN_IF_ERROR(this->Grow(ranks, {}));
     return this->Finish(ranks);
   }
-  const auto written =
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto written,
     isosurface::WriteSourceIndex(ranks, isosurface::GetLocalFileSystem(), this->Index,
-      this->GetMemoryBytes(), MakeLoggedProgress(this->Reader, this->Index.Source, ranks));
-  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-  this->TellLeftOut(ranks, *written);
+      this->GetMemoryBytes(), MakeLoggedProgress(this->Reader, this->Index.Source, ranks)));
+  this->TellLeftOut(ranks, written);
   return Status::Ok();
 }
 
@@ -208,28 +206,27 @@ Status vtkInPlaceVolumeReader::Steps::ChangeStep(isosurface::Communicator& ranks
 {
   isosurface::SampleLimits limits;
   limits.Step = step;
-  auto sample = isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index,
-    limits, isosurface::MakeProgress(this->Reader));
-  ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
-  this->Reader.Growing->SetSample(std::move(*sample));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto sample,
+    isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index, limits,
+      isosurface::MakeProgress(this->Reader)));
+  this->Reader.Growing->SetSample(std::move(sample));
   return Status::Ok();
 }
 
 Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks, std::size_t step)
 {
-  const auto wanted = this->IsIndexWanted(ranks);
-  ISOSURFACE_RETURN_IF_ERROR(wanted.GetStatus());
-  if (!*wanted)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto wanted, this->IsIndexWanted(ranks));
+  if (!wanted)
   {
     return Status::Ok();
   }
   isosurface::SampleLimits limits;
   limits.Step = step;
-  auto sample = isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index,
-    limits, isosurface::MakeProgress(this->Reader));
-  ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto sample,
+    isosurface::ReadSourceSample(ranks, isosurface::GetLocalFileSystem(), this->Index, limits,
+      isosurface::MakeProgress(this->Reader)));
   // The index of a small file is there as soon as a sample.
-  return sample->IsWhole ? this->Update(ranks) : this->Grow(ranks, std::move(*sample));
+  return sample.IsWhole ? this->Update(ranks) : this->Grow(ranks, std::move(sample));
 }
 
 Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
@@ -257,9 +254,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(reader.Growing->GetStatus()));
     if (reader.Growing->IsInMemory()) // then this rank is alone
     {
-      const auto opened = reader.Growing->Open();
-      ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-      volume = *opened;
+      ISOSURFACE_ASSIGN_OR_RETURN(volume, reader.Growing->Open());
     }
   }
   standIn->SetVolume(volume);
@@ -414,9 +409,8 @@ int vtkInPlaceVolumeReader::RequestData(
   isosurface::ControllerCommunicator ranks(this->GetController());
   const bool isPending = this->IsPending();
   const std::size_t step = this->FindStep(output->GetInformationObject(0));
-  std::vector<std::uint64_t> pending = { isPending || this->IsOtherSample(step) ? 1u : 0u };
-  ranks.ReduceMaximum(pending);
-  if (pending[0] != 0)
+  const bool pending = ranks.Any(isPending || this->IsOtherSample(step));
+  if (pending)
   {
     const Status status = this->UpdateIndex(ranks, step);
     if (!status.IsOk())
@@ -463,9 +457,7 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   this->Indexed = nullptr;
   std::vector<std::uint64_t> all = { this->CoarseAllowed ? 1u : 0u, steps.IsGrowing() ? 1u : 0u };
   ranks.ReduceMinimum(all);
-  std::vector<std::uint64_t> wanted = { step };
-  ranks.ReduceMaximum(wanted);
-  step = wanted[0];
+  step = ranks.Maximum(step);
   const bool isCoarse = all[0] != 0;
   // One in memory stays when it has been taken.
   const bool isOld = all[1] != 0 && this->Indexing[0] == Nothing && !this->Growing->IsCurrent();
@@ -503,9 +495,8 @@ void vtkInPlaceVolumeReader::AllowCoarse(vtkTypeBool allowed)
 void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
 {
   isosurface::ControllerCommunicator ranks(this->GetController());
-  std::vector<std::uint64_t> isWorking = { this->Indexing[0] == Working ? 1u : 0u };
-  ranks.ReduceMinimum(isWorking);
-  if (isWorking[0] == 0)
+  const bool isWorking = ranks.All(this->Indexing[0] == Working);
+  if (!isWorking)
   {
     return;
   }
@@ -540,9 +531,8 @@ bool vtkInPlaceVolumeReader::PrepareVolume(isosurface::Communicator& ranks, doub
   {
     const auto opened =
       isosurface::Attempt(this->Growing->GetIndex().Path, [this] { return this->Growing->Open(); });
-    std::vector<std::uint64_t> isOpen = { opened.IsOk() ? 1u : 0u };
-    ranks.ReduceMinimum(isOpen);
-    if (isOpen[0] == 0)
+    const bool isOpen = ranks.All(opened.IsOk());
+    if (!isOpen)
     {
       return true; // whoever takes it tells what is wrong
     }
@@ -550,9 +540,7 @@ bool vtkInPlaceVolumeReader::PrepareVolume(isosurface::Communicator& ranks, doub
     this->Indexed->SetVolume(*opened);
     this->PrepareOutput(this->Indexed);
   }
-  std::vector<std::uint64_t> isPrepared = { this->IsOutputPrepared(seconds) ? 1u : 0u };
-  ranks.ReduceMinimum(isPrepared);
-  return isPrepared[0] != 0;
+  return ranks.All(this->IsOutputPrepared(seconds));
 }
 
 //------------------------------------------------------------------------------

@@ -59,10 +59,9 @@ const char* GetElementType(ValueType type)
 
 Status WriteText(FileSystem& files, const std::string& path, const std::string& text)
 {
-  auto file = files.CreateForWriting(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const Status status = (*file)->Append(text.data(), text.size());
-  return status.IsOk() ? (*file)->SyncAndClose() : status;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.CreateForWriting(path));
+  const Status status = file->Append(text.data(), text.size());
+  return status.IsOk() ? file->SyncAndClose() : status;
 }
 
 } // namespace
@@ -173,11 +172,9 @@ Result<LargeVolume> LargeVolume::Open(
 
 Status LargeVolume::ReadScan(FileSystem& files, const RawVolume& scan)
 {
-  auto source = scan.Open(files);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  const auto slab = (*source)->Read((*source)->GetBox());
-  ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
-  const SampleView& view = slab->Arrays[0];
+  ISOSURFACE_ASSIGN_OR_RETURN(auto source, scan.Open(files));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto slab, source->Read(source->GetBox()));
+  const SampleView& view = slab.Arrays[0];
   this->Scan.Size = view.Box.GetSize();
   this->Scan.IsInterpolating = true;
   this->Scan.Values.reserve(static_cast<std::size_t>(view.Box.GetNumberOfVertices()));
@@ -306,8 +303,7 @@ void LargeVolume::FillSlices(std::int64_t begin, std::int64_t end, int threads, 
 Status LargeVolume::Write(FileSystem& files, const std::string& path, int threads) const
 {
   const std::filesystem::path rawPath = std::filesystem::path(path).replace_extension(".raw");
-  auto file = files.CreateForWriting(rawPath.string());
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.CreateForWriting(rawPath.string()));
   const Index3 size = this->Grid.GetDimensions();
   const std::uint64_t sliceBytes =
     static_cast<std::uint64_t>(size[0] * size[1]) * GetValueSize(this->Type);
@@ -328,11 +324,11 @@ Status LargeVolume::Write(FileSystem& files, const std::string& path, int thread
       status = writing.get();
     }
     writing = std::async(std::launch::async,
-      [&target = **file, &slab] { return target.Append(slab.data(), slab.size()); });
+      [&target = *file, &slab] { return target.Append(slab.data(), slab.size()); });
   }
   const Status last = writing.valid() ? writing.get() : Status::Ok();
   status = status.IsOk() ? last : status;
-  status = status.IsOk() ? (*file)->SyncAndClose() : status;
+  status = status.IsOk() ? file->SyncAndClose() : status;
   ISOSURFACE_RETURN_IF_ERROR(status);
   return WriteText(files, path, this->MakeHeader(rawPath.filename().string()));
 }

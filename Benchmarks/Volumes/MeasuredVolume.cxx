@@ -34,9 +34,9 @@ public:
   Status Measure(const BlockReference& reference, int thread)
   {
     QueryStatistics statistics;
-    const auto decoded = this->Volume.ReadBlock(reference, 0, 0, 0, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
-    const SampleView& view = (*decoded)->View;
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto decoded, this->Volume.ReadBlock(reference, 0, 0, 0, statistics));
+    const SampleView& view = decoded->View;
     const auto block = static_cast<std::size_t>(reference.Block);
     this->Ranges[block] = FindSampleRange(view, view.Box).All;
     // Each block has its own cubes, so there are no data races.
@@ -71,16 +71,16 @@ private:
 
 Result<MeasuredVolume> MeasuredVolume::Read(const std::string& path, int threads)
 {
-  auto volume = BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0));
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto volume, BlockedVolume::Open(path, GetLocalFileSystem(), std::make_shared<BlockCache>(0)));
   QueryStatistics statistics;
-  const auto blocks = (*volume)->ListBlocks(0, statistics);
-  const auto spectrum = (*volume)->GetSpectrum(0, 0);
+  const auto blocks = volume->ListBlocks(0, statistics);
+  const auto spectrum = volume->GetSpectrum(0, 0);
   if (!blocks.IsOk() || !spectrum.IsOk())
   {
     return blocks.IsOk() ? spectrum.GetStatus() : blocks.GetStatus();
   }
-  BlockMeasurement measurement(**volume, (*spectrum)->Bins, threads);
+  BlockMeasurement measurement(*volume, (*spectrum)->Bins, threads);
   Status status;
   std::mutex mutex;
   ParallelFor(blocks->size(), threads,
@@ -100,10 +100,8 @@ Result<MeasuredVolume> MeasuredVolume::Read(const std::string& path, int threads
 Status WriteVolume(
   const std::string& from, const std::string& to, int blockSize, std::uint32_t stores, int threads)
 {
-  const auto raw = RawVolume::ReadHeader(GetLocalFileSystem(), from);
-  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
-  auto source = raw->Open(GetLocalFileSystem());
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto raw, RawVolume::ReadHeader(GetLocalFileSystem(), from));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto source, raw.Open(GetLocalFileSystem()));
   BlockedVolumeSettings settings;
   settings.BlockSize = blockSize;
   settings.NumberOfStores = stores;
@@ -113,7 +111,7 @@ Status WriteVolume(
   settings.Threads = threads;
   SerialCommunicator alone;
   return BlockedVolumeWriter(alone)
-    .Write(to, raw->Grid, { { raw->ArrayName, raw->Type } }, **source, settings)
+    .Write(to, raw.Grid, { { raw.ArrayName, raw.Type } }, *source, settings)
     .GetStatus();
 }
 

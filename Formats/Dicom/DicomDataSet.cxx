@@ -168,8 +168,7 @@ Status DicomDataSet::FindBegin()
 /// Group 2, which is little-endian whatever follows, and explicit if its writer was right.
 Status DicomDataSet::ReadSyntax()
 {
-  const auto layout = this->FindLayout(false);
-  ISOSURFACE_RETURN_IF_ERROR(layout.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto layout, this->FindLayout(false));
   for (;;)
   {
     std::array<std::uint8_t, 8> bytes{};
@@ -178,9 +177,8 @@ Status DicomDataSet::ReadSyntax()
     {
       break;
     }
-    const auto head = this->ReadHead(*layout);
-    ISOSURFACE_RETURN_IF_ERROR(head.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(this->TakeOrSkip(*layout, *head));
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto head, this->ReadHead(layout));
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeOrSkip(layout, head));
   }
   this->Syntax = this->GetText(0x00020010);
   if (this->Syntax == DeflatedLittleEndian)
@@ -206,38 +204,37 @@ Status DicomDataSet::ReadHeader()
   ISOSURFACE_RETURN_IF_ERROR(this->ReadSyntax());
   std::array<std::uint8_t, 8> bytes{};
   ISOSURFACE_RETURN_IF_ERROR(this->Stream.Peek(bytes.size(), bytes.data()));
-  const auto layout = this->FindLayout(
-    this->Syntax == ExplicitBigEndian || LoadTag(bytes.data(), false) >> 16 == 0x0800);
-  ISOSURFACE_RETURN_IF_ERROR(layout.GetStatus());
-  this->Main = *layout;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto layout,
+    this->FindLayout(
+      this->Syntax == ExplicitBigEndian || LoadTag(bytes.data(), false) >> 16 == 0x0800));
+  this->Main = layout;
   if (this->Syntax.empty())
   {
-    this->Syntax = layout->IsImplicit ? ImplicitLittleEndian
-      : layout->IsBigEndian           ? ExplicitBigEndian
-                                      : ExplicitLittleEndian;
+    this->Syntax = layout.IsImplicit ? ImplicitLittleEndian
+      : layout.IsBigEndian           ? ExplicitBigEndian
+                                     : ExplicitLittleEndian;
   }
   for (;;)
   {
-    auto head = this->ReadHead(this->Main);
-    ISOSURFACE_RETURN_IF_ERROR(head.GetStatus());
-    if (head->Tag == PixelData)
+    ISOSURFACE_ASSIGN_OR_RETURN(auto head, this->ReadHead(this->Main));
+    if (head.Tag == PixelData)
     {
-      this->Pixels = std::move(*head);
+      this->Pixels = std::move(head);
       return Status::Ok();
     }
-    if (head->Tag == ItemEnd || head->Tag == SequenceEnd)
+    if (head.Tag == ItemEnd || head.Tag == SequenceEnd)
     {
       continue; // one too many, behind a sequence of defined length
     }
-    if (head->Tag == FloatPixelData || head->Tag == DoublePixelData)
+    if (head.Tag == FloatPixelData || head.Tag == DoublePixelData)
     {
       return this->Stream.MakeError(StatusCode::Unsupported, "its samples are floats");
     }
-    if (head->Tag > PixelData)
+    if (head.Tag > PixelData)
     {
       return this->MakeError("it has no pixels");
     }
-    ISOSURFACE_RETURN_IF_ERROR(this->TakeOrSkip(this->Main, *head));
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeOrSkip(this->Main, head));
   }
 }
 
@@ -297,9 +294,8 @@ Status DicomDataSet::TakeOrSkip(const Layout& layout, const Head& head)
   const char* const known = FindKind(tag);
   if (known && std::string_view(known) == "SQ")
   {
-    const auto isEmpty = this->IsEmptySequence(layout, head);
-    ISOSURFACE_RETURN_IF_ERROR(isEmpty.GetStatus());
-    if (!*isEmpty)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto isEmpty, this->IsEmptySequence(layout, head));
+    if (!isEmpty)
     {
       this->Elements.emplace(tag, Value{ known, "" });
     }
@@ -358,24 +354,23 @@ Status DicomDataSet::SkipItems(const Layout& layout, bool isUnknown, int depth)
   }
   for (;;)
   {
-    const auto item = this->ReadHead(layout);
-    ISOSURFACE_RETURN_IF_ERROR(item.GetStatus());
-    if (item->Tag == SequenceEnd)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto item, this->ReadHead(layout));
+    if (item.Tag == SequenceEnd)
     {
       return Status::Ok();
     }
-    if (item->Tag != ItemBegin)
+    if (item.Tag != ItemBegin)
     {
-      return this->MakeError(PrintTag(item->Tag) + " stands where an item of a sequence should");
+      return this->MakeError(PrintTag(item.Tag) + " stands where an item of a sequence should");
     }
-    if (item->Length != UndefinedLength)
+    if (item.Length != UndefinedLength)
     {
-      ISOSURFACE_RETURN_IF_ERROR(this->Stream.Skip(item->Length));
+      ISOSURFACE_RETURN_IF_ERROR(this->Stream.Skip(item.Length));
       continue;
     }
-    const auto inner = isUnknown ? this->FindLayout(layout.IsBigEndian) : Result<Layout>(layout);
-    ISOSURFACE_RETURN_IF_ERROR(inner.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(this->SkipItem(*inner, depth));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto inner, isUnknown ? this->FindLayout(layout.IsBigEndian) : Result<Layout>(layout));
+    ISOSURFACE_RETURN_IF_ERROR(this->SkipItem(inner, depth));
   }
 }
 
@@ -383,17 +378,16 @@ Status DicomDataSet::SkipItem(const Layout& layout, int depth)
 {
   for (;;)
   {
-    const auto head = this->ReadHead(layout);
-    ISOSURFACE_RETURN_IF_ERROR(head.GetStatus());
-    if (head->Tag == ItemEnd)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto head, this->ReadHead(layout));
+    if (head.Tag == ItemEnd)
     {
       return Status::Ok();
     }
-    if (head->Tag == ItemBegin || head->Tag == SequenceEnd)
+    if (head.Tag == ItemBegin || head.Tag == SequenceEnd)
     {
       return this->MakeError("an item of a sequence has no end");
     }
-    ISOSURFACE_RETURN_IF_ERROR(this->Skip(layout, *head, depth));
+    ISOSURFACE_RETURN_IF_ERROR(this->Skip(layout, head, depth));
   }
 }
 

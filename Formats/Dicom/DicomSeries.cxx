@@ -74,10 +74,9 @@ Status AddFolder(const std::string& folder, const std::vector<std::string>& name
     }
     else if (std::filesystem::is_regular_file(path, error))
     {
-      const auto isImage = AddImage(path, all);
-      ISOSURFACE_RETURN_IF_ERROR(isImage.GetStatus());
-      hasImages = hasImages || *isImage;
-      if (!*isImage)
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto isImage, AddImage(path, all));
+      hasImages = hasImages || isImage;
+      if (!isImage)
       {
         over.Add("without an image of DICOM", path);
       }
@@ -90,9 +89,8 @@ Status AddFolder(const std::string& folder, const std::vector<std::string>& name
       over.Add(hasImages ? "a folder beside images" : "a folder that is too deep", inner);
       continue;
     }
-    const auto within = GetLocalFileSystem().List(inner);
-    ISOSURFACE_RETURN_IF_ERROR(within.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(AddFolder(inner, *within, depth - 1, all, over));
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto within, GetLocalFileSystem().List(inner));
+    ISOSURFACE_RETURN_IF_ERROR(AddFolder(inner, within, depth - 1, all, over));
   }
   return Status::Ok();
 }
@@ -175,12 +173,10 @@ Result<std::vector<DicomSlice>> ChooseDicomSeries(const VolumeName& name, Passed
     !IsPattern(GetLocalFileSystem(), name.Path);
   if (isImage)
   {
-    const auto slice = DicomSlice::Read(name.Path);
-    ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
-    wanted = slice->Series;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto slice, DicomSlice::Read(name.Path));
+    wanted = slice.Series;
   }
-  auto all = FindDicomSeries(name.Path, over);
-  ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto all, FindDicomSeries(name.Path, over));
   const auto take = [](DicomSeries& series) -> Result<std::vector<DicomSlice>>
   {
     ISOSURFACE_RETURN_IF_ERROR(series.Fault);
@@ -189,7 +185,7 @@ Result<std::vector<DicomSlice>> ChooseDicomSeries(const VolumeName& name, Passed
   std::vector<DicomSeries*> fitting;
   Status fault;
   std::string known;
-  for (auto& [uid, series] : *all)
+  for (auto& [uid, series] : all)
   {
     if (uid == wanted || series.Name == wanted)
     {

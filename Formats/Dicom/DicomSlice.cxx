@@ -388,9 +388,8 @@ const std::array<const char*, 8> DicomSlice::MomentNames = { "Echo Numbers",
 Result<DicomSlice> DicomSlice::Read(const std::string& path, std::string* series)
 {
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
-  const auto bytes = GetLocalFileSystem().OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(bytes.GetStatus());
-  DicomDataSet tags(**bytes);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto bytes, GetLocalFileSystem().OpenForReading(path));
+  DicomDataSet tags(*bytes);
   const Status read = tags.ReadHeader();
   if (series)
   {
@@ -418,9 +417,8 @@ Result<DicomSlice> DicomSlice::Read(const std::string& path, std::string* series
 
 Status DicomSlice::Decode(std::vector<std::uint8_t>& to) const
 {
-  const auto file = GetLocalFileSystem().OpenForReading(this->Path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  DicomDataSet tags(**file);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, GetLocalFileSystem().OpenForReading(this->Path));
+  DicomDataSet tags(*file);
   ISOSURFACE_RETURN_IF_ERROR(tags.ReadHeader());
   ISOSURFACE_RETURN_IF_ERROR(CheckPixels(tags, *this));
   if (!tags.HasFragments() || IsOfRunLengths(*this))

@@ -155,9 +155,8 @@ Status LeaveOutCopies(Slices& slices, const Vector3& normal, PassedOver& over)
     if (!(Dot(moved, normal) > 1e-6))
     {
       const DicomSlice& one = slices[kept];
-      const auto areSame = HaveSameSamples(slices[slice], one);
-      ISOSURFACE_RETURN_IF_ERROR(areSame.GetStatus());
-      if (!*areSame || !(Dot(moved, moved) <= 1e-12))
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto areSame, HaveSameSamples(slices[slice], one));
+      if (!areSame || !(Dot(moved, moved) <= 1e-12))
       {
         return MakeError(StatusCode::Unsupported, slices[slice],
           "it lies where " + one.Path + " does, and " + FindDifference(slices[slice], one) +

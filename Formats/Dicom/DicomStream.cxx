@@ -120,9 +120,8 @@ Status DicomStream::Peek(std::size_t size, void* bytes)
   }
   while (this->GetHeld() < size)
   {
-    const auto isMore = this->Extend();
-    ISOSURFACE_RETURN_IF_ERROR(isMore.GetStatus());
-    if (!*isMore)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto isMore, this->Extend());
+    if (!isMore)
     {
       return this->MakeError(StatusCode::Corrupt, "it is truncated, or has no pixels");
     }

@@ -58,11 +58,10 @@ public:
 
   Result<BoxSamples> Read(const VertexBox& box) override
   {
-    auto samples = this->Pool->Take(this->GetReadBytes(box));
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(auto samples, this->Pool->Take(this->GetReadBytes(box)));
     const Index3 size = box.GetSize();
     const std::int64_t width = this->Box.High[0];
-    std::uint8_t* to = (*samples)->GetData();
+    std::uint8_t* to = samples->GetData();
     for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
     {
       const DicomSlice& slice = (*this->Series)[static_cast<std::size_t>(k)];
@@ -76,7 +75,7 @@ public:
         to += static_cast<std::size_t>(size[0]) * GetValueSize(this->Type);
       }
     }
-    return MakeBoxSamples(this->Type, box, std::move(*samples));
+    return MakeBoxSamples(this->Type, box, std::move(samples));
   }
 
 private:
@@ -132,35 +131,33 @@ Result<OpenedVolume> OpenDicomVolume(
   FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& /*choice*/)
 {
   PassedOver over;
-  auto slices = ChooseDicomSeries(name, over);
-  ISOSURFACE_RETURN_IF_ERROR(slices.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(SortSlices(*slices, over));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto slices, ChooseDicomSeries(name, over));
+  ISOSURFACE_RETURN_IF_ERROR(SortSlices(slices, over));
   OpenedVolume volume;
-  ISOSURFACE_RETURN_IF_ERROR(TakeGrid(*slices, volume));
-  for (const std::string& text : { FindNotes(*slices), over.GetText() })
+  ISOSURFACE_RETURN_IF_ERROR(TakeGrid(slices, volume));
+  for (const std::string& text : { FindNotes(slices), over.GetText() })
   {
     volume.LeftOut += (volume.LeftOut.empty() || text.empty() ? "" : "; ") + text;
   }
-  const ValueType type = FindType(*slices);
+  const ValueType type = FindType(slices);
   const bool isHounsfield = std::all_of(
-    slices->begin(), slices->end(), [](const DicomSlice& slice) { return slice.IsHounsfield; });
+    slices.begin(), slices.end(), [](const DicomSlice& slice) { return slice.IsHounsfield; });
   volume.Arrays = { { "DICOM", type, 1, isHounsfield ? "HU" : "" } };
-  for (const DicomSlice& slice : *slices)
+  for (const DicomSlice& slice : slices)
   {
     volume.Files.push_back(slice.Path);
   }
   volume.Source =
-    std::make_unique<DicomSource>(std::make_shared<const Slices>(std::move(*slices)), type);
+    std::make_unique<DicomSource>(std::make_shared<const Slices>(std::move(slices)), type);
   return volume;
 }
 
 Result<std::vector<VolumeListing>> ListDicom(FileSystem& /*files*/, const VolumeName& name)
 {
   PassedOver over;
-  const auto all = FindDicomSeries(name.Path, over);
-  ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto all, FindDicomSeries(name.Path, over));
   std::vector<VolumeListing> list;
-  for (const auto& [uid, series] : *all)
+  for (const auto& [uid, series] : all)
   {
     if (!series.Fault.IsOk())
     {

@@ -235,9 +235,8 @@ Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(const std::string& path
   std::uint64_t cacheBytes, const StoredArray::Numbers& shape, bool isUnsigned) const
 {
   const Hdf5Scope scope;
-  auto dataset = this->OpenDataset(path);
-  ISOSURFACE_RETURN_IF_ERROR(dataset.GetStatus());
-  const Hdf5Handle type(::H5Dget_type(dataset->Get()), ::H5Tclose);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto dataset, this->OpenDataset(path));
+  const Hdf5Handle type(::H5Dget_type(dataset.Get()), ::H5Tclose);
   const auto found = FindHdf5ValueType(type.Get());
   if (!found)
   {
@@ -245,7 +244,7 @@ Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(const std::string& path
       "its type, " + DescribeHdf5Type(type.Get()) +
         ", is neither an integer of 8, 16, 32 or 64 bits nor a float of 16, 32 or 64");
   }
-  const StoredArray::Numbers whole = FindHdf5Shape(*dataset);
+  const StoredArray::Numbers whole = FindHdf5Shape(dataset);
   bool isWithin = shape.empty() || shape.size() == whole.size();
   for (std::size_t axis = 0; isWithin && axis < shape.size(); ++axis)
   {
@@ -258,7 +257,7 @@ Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(const std::string& path
         " are said to be its own");
   }
   auto array =
-    std::make_shared<Array>(*this, path, std::move(*dataset), *found, shape.empty() ? whole : shape,
+    std::make_shared<Array>(*this, path, std::move(dataset), *found, shape.empty() ? whole : shape,
       isUnsigned && *found == ValueType::Int16 ? ValueType::UInt16 : *found);
   ISOSURFACE_RETURN_IF_ERROR(array->SetCache(cacheBytes));
   return std::shared_ptr<StoredArray>(std::move(array));

@@ -69,15 +69,14 @@ Result<Hdf5File> Hdf5File::Open(const std::string& path)
 {
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   // The system's own words for what cannot be opened at all.
-  const auto bytes = GetLocalFileSystem().OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(bytes.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto bytes, GetLocalFileSystem().OpenForReading(path));
   const Hdf5Scope scope;
   Hdf5Handle file(::H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), ::H5Fclose);
   if (!file.IsOpen())
   {
     char start[11] = {};
-    const bool isOld = (*bytes)->GetSize() >= sizeof(start) &&
-      (*bytes)->Read(0, sizeof(start) - 1, start).IsOk() && std::string(start) == "MATLAB 5.0";
+    const bool isOld = bytes->GetSize() >= sizeof(start) &&
+      bytes->Read(0, sizeof(start) - 1, start).IsOk() && std::string(start) == "MATLAB 5.0";
     return isOld
       ? Status(StatusCode::Unsupported,
           path + ": cannot be read: it is a MAT-file of version 5; MATLAB writes HDF5 with -v7.3")
@@ -272,9 +271,8 @@ std::optional<std::vector<double>> Hdf5File::ReadNumbers(
 Result<std::vector<double>> Hdf5File::ReadList(
   const std::string& path, std::int64_t most, std::size_t axes) const
 {
-  const auto list = this->OpenArray(path, 0);
-  ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
-  const StoredArray::Numbers shape = (*list)->GetShape();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto list, this->OpenArray(path, 0));
+  const StoredArray::Numbers shape = list->GetShape();
   std::int64_t count = shape.size() == axes ? 1 : 0;
   for (const std::int64_t size : shape)
   {
@@ -285,11 +283,11 @@ Result<std::vector<double>> Hdf5File::ReadList(
     return this->MakeError(
       StatusCode::Corrupt, path, "it is no list of 1 to " + std::to_string(most) + " numbers");
   }
-  return DispatchValueType((*list)->GetType(),
+  return DispatchValueType(list->GetType(),
     [&](auto zero) -> Result<std::vector<double>>
     {
       std::vector<decltype(zero)> stored(static_cast<std::size_t>(count));
-      ISOSURFACE_RETURN_IF_ERROR((*list)->Read(
+      ISOSURFACE_RETURN_IF_ERROR(list->Read(
         StoredArray::Numbers(axes), shape, reinterpret_cast<std::uint8_t*>(stored.data())));
       std::vector<double> numbers(stored.size());
       std::transform(stored.begin(), stored.end(), numbers.begin(),

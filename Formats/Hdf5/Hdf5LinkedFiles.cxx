@@ -246,12 +246,11 @@ Status Hdf5LinkedFiles::CheckExternal(
     return Status(StatusCode::Unsupported,
       path.string() + ": its samples are outside of the folder of the file that names it");
   }
-  const auto file = GetLocalFileSystem().OpenForReading(path.string());
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, GetLocalFileSystem().OpenForReading(path.string()));
   // The library reads zeros where a truncated file has no bytes.
   const std::uint64_t bytes = std::min<std::uint64_t>(size, missingBytes);
   const std::uint64_t available =
-    (*file)->GetSize() - std::min((*file)->GetSize(), static_cast<std::uint64_t>(offset));
+    file->GetSize() - std::min(file->GetSize(), static_cast<std::uint64_t>(offset));
   if (available < bytes)
   {
     return Status(StatusCode::Corrupt,
@@ -280,10 +279,10 @@ Status Hdf5LinkedFiles::CheckVirtual(const Hdf5Handle& dataset, const Hdf5Handle
     bool isFound = true;
     for (std::size_t block = 0; isFound; ++block)
     {
-      const auto found =
-        this->CheckSource(dataset, FillPattern(file, block), FillPattern(object, block), depth + 1);
-      ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-      isFound = *found && (IsPattern(file) || IsPattern(object));
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto found,
+        this->CheckSource(
+          dataset, FillPattern(file, block), FillPattern(object, block), depth + 1));
+      isFound = found && (IsPattern(file) || IsPattern(object));
     }
   }
   return Status::Ok();

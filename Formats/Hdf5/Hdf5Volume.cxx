@@ -30,18 +30,17 @@ Status AddObject(const VolumeName& name, const std::string& object, const Status
 /// The dataset to read when the name gives none.
 Result<std::string> FindOnlyDataset(const VolumeName& name, const Hdf5File& file)
 {
-  const auto datasets = file.FindDatasets();
-  ISOSURFACE_RETURN_IF_ERROR(datasets.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto datasets, file.FindDatasets());
   std::string known;
   std::string refused;
-  for (const Hdf5Dataset& dataset : *datasets)
+  for (const Hdf5Dataset& dataset : datasets)
   {
     refused = refused.empty() ? dataset.Refusal : refused;
   }
   for (std::size_t rank = 3; rank <= 5; ++rank)
   {
     std::vector<std::string> fitting;
-    for (const Hdf5Dataset& dataset : *datasets)
+    for (const Hdf5Dataset& dataset : datasets)
     {
       const bool hasComponent = dataset.Shape.size() > 3 && dataset.Shape.back() == 1;
       if (dataset.IsNumeric && dataset.Shape.size() == rank + (hasComponent ? 1 : 0))
@@ -103,20 +102,18 @@ Result<OpenedVolume> OpenDataset(
       Status(StatusCode::Unsupported,
         "it is MINC, whose places and scale are not read: convert it to NIfTI, as mnc2nii does"));
   }
-  const auto whole = file.OpenArray(path, 0);
-  ISOSURFACE_RETURN_IF_ERROR(whole.GetStatus());
-  Hdf5Description description =
-    Hdf5Description::Read(file, path, (*whole)->GetShape(), choice.Axes);
-  auto array = file.OpenArray(path, choice.CacheBytes, description.Shape, description.IsUnsigned);
-  ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto whole, file.OpenArray(path, 0));
+  Hdf5Description description = Hdf5Description::Read(file, path, whole->GetShape(), choice.Axes);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto array, file.OpenArray(path, choice.CacheBytes, description.Shape, description.IsUnsigned));
   const auto axes =
-    ArrayAxes::Parse(choice.Axes.empty() ? description.Letters : choice.Axes, (*array)->GetShape());
+    ArrayAxes::Parse(choice.Axes.empty() ? description.Letters : choice.Axes, array->GetShape());
   if (!axes.IsOk())
   {
     return AddObject(name, path, axes.GetStatus());
   }
-  auto parts = MakeParts(GetLastPart(path), std::move(*array), *axes, choice.Step);
-  ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto parts, MakeParts(GetLastPart(path), std::move(array), *axes, choice.Step));
   OpenedVolume volume;
   NoteAttributes(file, path, description);
   volume.Grid = description.Place;
@@ -124,7 +121,7 @@ Result<OpenedVolume> OpenDataset(
   volume.Times = std::move(description.Times);
   volume.LeftOut = description.Notes;
   volume.Attributes = choice.WantsAttributes ? file.DescribeAttributes(path) : "";
-  ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), choice.Arrays, volume));
+  ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), choice.Arrays, volume));
   for (ArrayDescription& taken : volume.Arrays)
   {
     taken.Unit = description.SampleUnit;
@@ -210,9 +207,7 @@ private:
     {
       return Status::Ok();
     }
-    auto values = this->File.ReadList(path, MaximumTimeSteps);
-    ISOSURFACE_RETURN_IF_ERROR(values.GetStatus());
-    this->Volume.Times = std::move(*values);
+    ISOSURFACE_ASSIGN_OR_RETURN(this->Volume.Times, this->File.ReadList(path, MaximumTimeSteps));
     return Status::Ok();
   }
 
@@ -239,17 +234,16 @@ private:
               " has " + std::to_string(count) + ", and no Steps/PointDataOffsets/" + array +
               " tells which is which");
     }
-    const auto offsets = this->File.ReadList(path, MaximumTimeSteps);
-    ISOSURFACE_RETURN_IF_ERROR(offsets.GetStatus());
-    const double offset = offsets->size() == steps ? (*offsets)[step] : -1;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto offsets, this->File.ReadList(path, MaximumTimeSteps));
+    const double offset = offsets.size() == steps ? offsets[step] : -1;
     if (!(offset >= 0 && offset < static_cast<double>(count) && std::trunc(offset) == offset))
     {
       return AddObject(this->Name, path,
         Status(StatusCode::Corrupt,
-          offsets->size() == steps ? "time step " + std::to_string(step) + " has the number " +
+          offsets.size() == steps ? "time step " + std::to_string(step) + " has the number " +
               std::to_string(std::llround(offset)) + ", the point array has " +
               std::to_string(count) + " time steps from 0"
-                                   : "it has " + std::to_string(offsets->size()) + " numbers for " +
+                                  : "it has " + std::to_string(offsets.size()) + " numbers for " +
               std::to_string(steps) + " time steps"));
     }
     return static_cast<std::size_t>(offset);
@@ -266,10 +260,10 @@ private:
     for (const std::string& array : names)
     {
       const std::string path = prefix + array;
-      auto stored = this->File.OpenArray(path, choice.CacheBytes / names.size());
-      ISOSURFACE_RETURN_IF_ERROR(stored.GetStatus());
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        auto stored, this->File.OpenArray(path, choice.CacheBytes / names.size()));
       const std::size_t spatial = 3 + (hasSteps ? 1 : 0);
-      const std::size_t rank = (*stored)->GetShape().size();
+      const std::size_t rank = stored->GetShape().size();
       const std::string letters =
         std::string(hasSteps ? "t" : "") + "zyx" + (rank > spatial ? "c" : "");
       const auto axes = ArrayAxes::Parse(letters, rank);
@@ -280,13 +274,11 @@ private:
       std::size_t entry = choice.Step;
       if (hasSteps)
       {
-        const auto found = this->FindEntry(array, choice.Step, (*stored)->GetShape()[0]);
-        ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-        entry = *found;
+        ISOSURFACE_ASSIGN_OR_RETURN(
+          entry, this->FindEntry(array, choice.Step, stored->GetShape()[0]));
       }
-      auto made = MakeParts(array, std::move(*stored), *axes, entry);
-      ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
-      parts.insert(parts.end(), made->begin(), made->end());
+      ISOSURFACE_ASSIGN_OR_RETURN(auto made, MakeParts(array, std::move(stored), *axes, entry));
+      parts.insert(parts.end(), made.begin(), made.end());
     }
     if (parts.empty())
     {
@@ -317,42 +309,37 @@ Result<OpenedVolume> AddFiles(Result<OpenedVolume> volume, const Hdf5File& file)
 Result<OpenedVolume> OpenHdf5Volume(
   FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
 {
-  const auto file = Hdf5File::Open(name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, Hdf5File::Open(name.Path));
   std::string path = name.Within;
   if (!path.empty() && path.front() != '/')
   {
     path.insert(0, 1, '/');
   }
   const std::string group = path.empty() ? "/VTKHDF" : path;
-  if (file->Has(group) && !file->IsDataset(group) && file->ReadText(group, "Type"))
+  if (file.Has(group) && !file.IsDataset(group) && file.ReadText(group, "Type"))
   {
-    return AddFiles(VtkHdfReader(name, *file, group).Open(choice), *file);
+    return AddFiles(VtkHdfReader(name, file, group).Open(choice), file);
   }
-  if (path.empty() && IsImaris(*file))
+  if (path.empty() && IsImaris(file))
   {
     return choice.Axes.empty() || choice.IsRecorded
-      ? AddFiles(OpenImaris(*file, choice), *file)
+      ? AddFiles(OpenImaris(file, choice), file)
       : Status(StatusCode::InvalidArgument,
           name.GetText() + ": cannot be read: the axes of Imaris are given");
   }
   if (path.empty())
   {
-    const auto only = FindOnlyDataset(name, *file);
-    ISOSURFACE_RETURN_IF_ERROR(only.GetStatus());
-    path = *only;
+    ISOSURFACE_ASSIGN_OR_RETURN(path, FindOnlyDataset(name, file));
   }
-  return AddFiles(OpenDataset(name, *file, path, choice), *file);
+  return AddFiles(OpenDataset(name, file, path, choice), file);
 }
 
 Result<std::vector<VolumeListing>> ListHdf5(FileSystem& /*files*/, const VolumeName& name)
 {
-  const auto file = Hdf5File::Open(name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const auto datasets = file->FindDatasets();
-  ISOSURFACE_RETURN_IF_ERROR(datasets.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, Hdf5File::Open(name.Path));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto datasets, file.FindDatasets());
   std::vector<VolumeListing> list;
-  for (const Hdf5Dataset& dataset : *datasets)
+  for (const Hdf5Dataset& dataset : datasets)
   {
     list.push_back({ dataset.Path, dataset.Shape.empty() ? "1" : JoinNumbers(dataset.Shape),
       dataset.Type, dataset.Storage });

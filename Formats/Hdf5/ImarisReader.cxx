@@ -73,22 +73,22 @@ Result<OpenedVolume> OpenImaris(const Hdf5File& file, const VolumeChoice& choice
     const Index3 size = FindSizeOfImaris(file, group);
     const StoredArray::Numbers shape =
       size[0] > 0 ? StoredArray::Numbers{ size[2], size[1], size[0] } : StoredArray::Numbers();
-    auto array = file.OpenArray(group + "/Data", choice.CacheBytes / channels, shape, false);
-    ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto array, file.OpenArray(group + "/Data", choice.CacheBytes / channels, shape, false));
     const std::string info = "/DataSetInfo/Channel " + number;
     const std::string said =
       file.Has(info) ? file.ReadText(info, "Name").value_or("") : std::string();
     const bool isNew = std::find(names.begin(), names.end(), said) == names.end();
     names.push_back(!said.empty() && isNew ? said : "channel " + number);
-    const auto axes = ArrayAxes::Parse("zyx", (*array)->GetShape().size());
+    const auto axes = ArrayAxes::Parse("zyx", array->GetShape().size());
     if (!axes.IsOk())
     {
       return Status(axes.GetStatus().GetCode(),
-        (*array)->GetName() + ": cannot be read: " + axes.GetStatus().GetMessage());
+        array->GetName() + ": cannot be read: " + axes.GetStatus().GetMessage());
     }
-    const auto made = MakeParts(names.back(), std::move(*array), *axes, 0);
-    ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
-    parts.insert(parts.end(), made->begin(), made->end());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto made, MakeParts(names.back(), std::move(array), *axes, 0));
+    parts.insert(parts.end(), made.begin(), made.end());
   }
   if (parts.empty())
   {

@@ -58,10 +58,9 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
       // However it ends.
       const std::unique_ptr<FinishedLayers, void (*)(FinishedLayers*)> end(
         this->Finished.get(), [](FinishedLayers* layers) { layers->End(); });
-      const auto leftOut = WriteSourceIndex(
-        all, place, this->Index, memoryBytes, tell, this->Collector.get(), this->Finished.get());
-      ISOSURFACE_RETURN_IF_ERROR(leftOut.GetStatus());
-      this->LeftOut = *leftOut;
+      ISOSURFACE_ASSIGN_OR_RETURN(this->LeftOut,
+        WriteSourceIndex(
+          all, place, this->Index, memoryBytes, tell, this->Collector.get(), this->Finished.get()));
       return Status::Ok();
     });
 }
@@ -112,13 +111,12 @@ bool GrowingIndex::HasLargerSample(Communicator& ranks)
 Status GrowingIndex::GatherSamples(Communicator& ranks)
 {
   const double done = this->Writing->HasEnded() ? 1 : this->GetProgress();
-  std::vector<std::uint64_t> steps = { static_cast<std::uint64_t>(GatheringSteps * done) };
-  ranks.ReduceMinimum(steps);
-  if (ranks.GetSize() == 1 || steps[0] <= this->GatheredSteps)
+  const std::uint64_t steps = ranks.Minimum(static_cast<std::uint64_t>(GatheringSteps * done));
+  if (ranks.GetSize() == 1 || steps <= this->GatheredSteps)
   {
     return Status::Ok();
   }
-  this->GatheredSteps = steps[0];
+  this->GatheredSteps = steps;
   Message mine;
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, this->Index.Source,
     [&]
@@ -141,16 +139,14 @@ Status GrowingIndex::GatherSamples(Communicator& ranks)
 Status GrowingIndex::BeginEnlarging(Communicator& ranks)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->GatherSamples(ranks));
-  std::vector<std::uint64_t> slices = { static_cast<std::uint64_t>(
-    this->Collector->CountSlices()) };
-  ranks.ReduceMinimum(slices);
-  this->CommonSlices = static_cast<std::int64_t>(slices[0]);
+  const std::uint64_t slices =
+    ranks.Minimum(static_cast<std::uint64_t>(this->Collector->CountSlices()));
+  this->CommonSlices = static_cast<std::int64_t>(slices);
   const double share = this->Collector->GetShare(this->CommonSlices);
   const bool isMore =
     share >= EnoughLarger * this->Sample.Share || (share == 1 && this->Sample.Share < 1);
-  std::vector<std::uint64_t> isWorth = { isMore ? 1U : 0U };
-  ranks.ReduceMinimum(isWorth); // a rank that has not opened the file yet knows no share
-  if (isWorth[0] == 0)
+  const bool isWorth = ranks.All(isMore); // a rank that has not opened the file yet knows no share
+  if (!isWorth)
   {
     return Status::Ok();
   }
@@ -160,9 +156,8 @@ Status GrowingIndex::BeginEnlarging(Communicator& ranks)
       this->Enlarging = std::make_unique<BackgroundTask>(this->Index.Source,
         [this, count = this->CommonSlices](const Progress&) -> Status
         {
-          auto larger = this->Collector->MakeSample(this->Files, this->Index, count);
-          ISOSURFACE_RETURN_IF_ERROR(larger.GetStatus());
-          this->Larger = std::move(*larger);
+          ISOSURFACE_ASSIGN_OR_RETURN(
+            this->Larger, this->Collector->MakeSample(this->Files, this->Index, count));
           return Status::Ok();
         });
       return Status::Ok();

@@ -72,26 +72,25 @@ Result<OpenedStep> OpenStep(
   choice.Step = step;
   choice.Axes = index.Axes;
   choice.CacheBytes = memoryBytes / CacheShare;
-  auto volume = OpenForeignVolume(files, index.Source, choice);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto volume, OpenForeignVolume(files, index.Source, choice));
   SourceRecord wanted;
   wanted.Axes = index.Axes;
   wanted.Step = step;
-  for (const ArrayDescription& array : volume->Arrays)
+  for (const ArrayDescription& array : volume.Arrays)
   {
     wanted.Arrays.push_back(array.Name);
   }
-  auto record = DescribeSource(
-    files, OpenForeignVolume, index.Path, index.Source, wanted, volume->Grid, volume->Arrays);
-  ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-  OpenedStep opened{ std::move(*volume), {} };
+  ISOSURFACE_ASSIGN_OR_RETURN(auto record,
+    DescribeSource(
+      files, OpenForeignVolume, index.Path, index.Source, wanted, volume.Grid, volume.Arrays));
+  OpenedStep opened{ std::move(volume), {} };
   // Ranks read different slabs in place. Of a copy each has a part of what is finished, at any time.
   opened.Settings.Distribution =
-    record->Chunk ? DistributionMethod::Slab : DistributionMethod::Random;
+    record.Chunk ? DistributionMethod::Slab : DistributionMethod::Random;
   opened.Settings.Lines = opened.Volume.Lines;
-  opened.Settings.Files = { opened.Volume.Files, record->State };
+  opened.Settings.Files = { opened.Volume.Files, record.State };
   // Each query would decode a stream from the front, so its samples are copied.
-  (record->Chunk ? opened.Settings.InPlace : opened.Settings.CopyOf) = std::move(*record);
+  (record.Chunk ? opened.Settings.InPlace : opened.Settings.CopyOf) = std::move(record);
   opened.Settings.Compression.Codec = SegmentCodec::Lz4;
   opened.Settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
   opened.Settings.MemoryLimit = memoryBytes;
@@ -206,9 +205,8 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index)
   {
     return IndexState::Missing;
   }
-  const auto volume = BlockedVolume::Open(index.Path, files);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  const BlockedVolumeHeader& header = (*volume)->GetHeader();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto volume, BlockedVolume::Open(index.Path, files));
+  const BlockedVolumeHeader& header = volume->GetHeader();
   const VolumeName name = VolumeName::Parse(files, index.Source);
   for (const TimeStepDescription& step : header.TimeSteps)
   {
@@ -252,11 +250,10 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
     auto opened = Attempt(index.Source,
       [&]() -> Result<OpenedStep>
       {
-        auto found = OpenStep(files, index, step, memoryBytes);
-        ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-        if (found->Settings.InPlace)
+        ISOSURFACE_ASSIGN_OR_RETURN(auto found, OpenStep(files, index, step, memoryBytes));
+        if (found.Settings.InPlace)
         {
-          OpenedVolume& volume = found->Volume;
+          OpenedVolume& volume = found.Volume;
           ChunkDecoding decoding = { memoryBytes / CacheShare, threadsOfRank, {} };
           if (finished && step == 0)
           {
@@ -264,17 +261,17 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
           }
           ISOSURFACE_RETURN_IF_ERROR(
             ChunkedSource::Replace(volume.Source, files, OpenForeignVolume, index.Path,
-              index.Source, *found->Settings.InPlace, volume.Grid, volume.Arrays, decoding));
+              index.Source, *found.Settings.InPlace, volume.Grid, volume.Arrays, decoding));
         }
         if (finished && step == 0)
         {
-          found->Settings.WhenFinished = [finished](
-                                           const BlockedVolumeHeader& volume, FinishedBlocks blocks)
+          found.Settings.WhenFinished = [finished](
+                                          const BlockedVolumeHeader& volume, FinishedBlocks blocks)
           { finished->Add(volume, std::move(blocks)); };
         }
         if (collector && step == 0)
         {
-          collector->Attach(found->Volume);
+          collector->Attach(found.Volume);
         }
         return found;
       });
@@ -289,9 +286,10 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
       return !progress ||
         progress((static_cast<double>(step) + share) / static_cast<double>(steps));
     };
-    const auto written = writer.Write(index.Path, opened->Volume.Grid, opened->Volume.Arrays,
-      *opened->Volume.Source, opened->Settings, tell);
-    ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(writer
+                                 .Write(index.Path, opened->Volume.Grid, opened->Volume.Arrays,
+                                   *opened->Volume.Source, opened->Settings, tell)
+                                 .GetStatus());
   }
   return leftOut;
 }

@@ -118,12 +118,10 @@ Result<SourceSample> MakeSourceSample(FileSystem& files, const SourceIndex& inde
   const std::string path = index.Path + "-sample";
   const auto memory = std::make_shared<VolumeInMemory>(files, path);
   SerialCommunicator alone;
-  const auto written = BlockedVolumeWriter(alone, memory->Files)
-                         .Write(path, MakeGrid(of.Grid, lattice), of.Arrays, piece, settings);
-  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-  const auto opened = BlockedVolume::Open(path, memory->Files);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-  memory->Volume = *opened;
+  ISOSURFACE_RETURN_IF_ERROR(BlockedVolumeWriter(alone, memory->Files)
+                               .Write(path, MakeGrid(of.Grid, lattice), of.Arrays, piece, settings)
+                               .GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(memory->Volume, BlockedVolume::Open(path, memory->Files));
   SourceSample sample;
   sample.Volume = std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());
   sample.WholeStep = lattice.Step;

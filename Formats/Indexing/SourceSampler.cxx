@@ -101,18 +101,17 @@ private:
 
 Status Sampler::Open()
 {
-  auto volume = OpenForeignVolume(this->Files, this->Index.Source, this->Choice);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  this->Volume = SampledVolume(*volume, this->Choice.Step);
-  this->Order = ReadingOrder::Choose(*volume->Source, this->Limits.Vertices);
-  const VertexBox& box = volume->Source->GetBox();
-  const auto chunk = volume->Source->GetChunk();
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto volume, OpenForeignVolume(this->Files, this->Index.Source, this->Choice));
+  this->Volume = SampledVolume(volume, this->Choice.Step);
+  this->Order = ReadingOrder::Choose(*volume.Source, this->Limits.Vertices);
+  const VertexBox& box = volume.Source->GetBox();
+  const auto chunk = volume.Source->GetChunk();
   const std::uint64_t bytes = std::max<std::uint64_t>(1,
-    volume->Source->GetReadBytes(
-      VertexBox{ { 0, 0, 0 }, chunk.value_or(box.High) }.Intersect(box)));
+    volume.Source->GetReadBytes(VertexBox{ { 0, 0, 0 }, chunk.value_or(box.High) }.Intersect(box)));
   // A second reader of a stream would read it from the front.
   this->Sources.resize(chunk ? std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads) : 1);
-  this->Sources.front() = std::move(volume->Source);
+  this->Sources.front() = std::move(volume.Source);
   return Status::Ok();
 }
 
@@ -122,9 +121,9 @@ Result<std::unique_ptr<BoxSource>> Sampler::OpenAgain() const
   {
     return forked;
   }
-  auto volume = OpenForeignVolume(this->Files, this->Index.Source, this->Choice);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  return std::move(volume->Source);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto volume, OpenForeignVolume(this->Files, this->Index.Source, this->Choice));
+  return std::move(volume.Source);
 }
 
 Status Sampler::Read()
@@ -143,11 +142,9 @@ Status Sampler::Read()
       }));
     const double before = this->GetSeconds();
     const double expected = before + secondsPerBox * static_cast<double>(boxes.size());
-    std::vector<std::uint64_t> ends = {
-      boxes.empty() || (!isFirst && expected > this->Limits.Seconds) ? 1U : 0U
-    };
-    this->Ranks.ReduceMaximum(ends);
-    if (ends[0] != 0)
+    const bool ends =
+      this->Ranks.Any(boxes.empty() || (!isFirst && expected > this->Limits.Seconds));
+    if (ends)
     {
       return Status::Ok();
     }
@@ -178,9 +175,7 @@ Status Sampler::ReadBoxes(const std::vector<VertexBox>& boxes)
           std::unique_ptr<BoxSource>& source = this->Sources[static_cast<std::size_t>(thread)];
           if (!source)
           {
-            auto opened = this->OpenAgain();
-            ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-            source = std::move(*opened);
+            ISOSURFACE_ASSIGN_OR_RETURN(source, this->OpenAgain());
           }
           return this->ReadBox(*source, this->Tiles[first + tile]);
         });
@@ -227,15 +222,14 @@ Status Sampler::ReadBox(BoxSource& source, Tile& tile) const
   }
   for (const VertexBox& read : count > 0 ? this->FindReads(tile.Box) : std::vector<VertexBox>())
   {
-    const auto slab = source.Read(read);
-    ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
-    if (!slab->Fits(this->Volume.Types, read))
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto slab, source.Read(read));
+    if (!slab.Fits(this->Volume.Types, read))
     {
       return Status(StatusCode::Corrupt, this->Index.Source + ": was changed while it was read");
     }
     for (std::size_t variable = 0; variable < this->Volume.Types.size(); ++variable)
     {
-      const SampleView& view = slab->Arrays[variable];
+      const SampleView& view = slab.Arrays[variable];
       const std::size_t size = this->FindSampleSize(variable);
       VisitRows(Lattice{ read, step }.GetNumbers(),
         [&](const Index3& number, std::int64_t row)

@@ -176,16 +176,15 @@ private:
 Status CheckNetcdfClassicSize(
   FileSystem& files, const std::string& path, const std::string& variable)
 {
-  const auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const std::uint64_t size = (*file)->GetSize();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, files.OpenForReading(path));
+  const std::uint64_t size = file->GetSize();
   // Most headers are short.
   double end = 0;
   bool isComplete = false;
   for (std::uint64_t most = ShortHeaderSize; !isComplete && most <= MaximumHeaderSize; most *= 32)
   {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::min(size, most)));
-    ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, bytes.size(), bytes.data()));
+    ISOSURFACE_RETURN_IF_ERROR(file->Read(0, bytes.size(), bytes.data()));
     if (bytes.size() < 4 || !std::equal(bytes.begin(), bytes.begin() + 3, "CDF"))
     {
       return Status::Ok();

@@ -222,8 +222,7 @@ private:
 Result<NetcdfFile> NetcdfFile::Open(const std::string& path)
 {
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
-  const auto bytes = GetLocalFileSystem().OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(bytes.GetStatus());
+  ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().OpenForReading(path).GetStatus());
   ISOSURFACE_RETURN_IF_ERROR(CheckNetcdfClassicSize(GetLocalFileSystem(), path, ""));
   ISOSURFACE_RETURN_IF_ERROR(CheckLinks(path));
   const NetcdfScope scope;

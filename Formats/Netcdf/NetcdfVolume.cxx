@@ -50,15 +50,15 @@ public:
       return this->MakeError(StatusCode::Unsupported,
         "it is MINC, whose places and scale are not read: convert it to NIfTI, as mnc2nii does");
     }
-    auto array = this->File.OpenArray(*this->Variable, this->Choice.CacheBytes);
-    ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto array, this->File.OpenArray(*this->Variable, this->Choice.CacheBytes));
     ISOSURFACE_RETURN_IF_ERROR(this->FindAxes());
     ISOSURFACE_RETURN_IF_ERROR(this->TakePlaces());
     ISOSURFACE_RETURN_IF_ERROR(this->TakeTimes());
-    auto parts = MakeParts(this->Variable->Path.substr(this->Variable->Path.rfind('/') + 1),
-      std::move(*array), this->Axes, this->Choice.Step);
-    ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), this->Choice.Arrays, this->Volume));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto parts,
+      MakeParts(this->Variable->Path.substr(this->Variable->Path.rfind('/') + 1), std::move(array),
+        this->Axes, this->Choice.Step));
+    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), this->Choice.Arrays, this->Volume));
     ISOSURFACE_RETURN_IF_ERROR(this->TakeLines());
     ISOSURFACE_RETURN_IF_ERROR(this->TakeScale());
     for (ArrayDescription& taken : this->Volume.Arrays)
@@ -192,22 +192,21 @@ private:
     {
       return Status::Ok();
     }
-    auto numbers = this->File.ReadNumbers(*coordinate);
-    ISOSURFACE_RETURN_IF_ERROR(numbers.GetStatus());
-    const std::size_t count = numbers->size();
-    const double first = count == 0 ? 0 : numbers->front();
-    const double step = count < 2 ? 1 : (numbers->back() - first) / static_cast<double>(count - 1);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto numbers, this->File.ReadNumbers(*coordinate));
+    const std::size_t count = numbers.size();
+    const double first = count == 0 ? 0 : numbers.front();
+    const double step = count < 2 ? 1 : (numbers.back() - first) / static_cast<double>(count - 1);
     // Coordinates may be floats of 32 bits.
     const double most = std::abs(step) * 1e-3 + std::abs(first) * 1e-6;
     for (std::size_t index = 0; index < count; ++index)
     {
       const double expected = first + step * static_cast<double>(index);
-      if (!(std::abs((*numbers)[index] - expected) <= most) || step == 0)
+      if (!(std::abs(numbers[index] - expected) <= most) || step == 0)
       {
         this->Uneven = coordinate;
       }
     }
-    this->Coordinates[gridAxis] = std::move(*numbers);
+    this->Coordinates[gridAxis] = std::move(numbers);
     GridGeometry& grid = this->Volume.Grid;
     grid.Origin[gridAxis] = first;
     grid.Spacing[gridAxis] = std::abs(step);
@@ -263,9 +262,7 @@ private:
     {
       return Status::Ok();
     }
-    auto times = this->File.ReadNumbers(*coordinate);
-    ISOSURFACE_RETURN_IF_ERROR(times.GetStatus());
-    this->Volume.Times = std::move(*times);
+    ISOSURFACE_ASSIGN_OR_RETURN(this->Volume.Times, this->File.ReadNumbers(*coordinate));
     return Status::Ok();
   }
 
@@ -348,17 +345,15 @@ private:
 Result<OpenedVolume> OpenNetcdfVolume(
   FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
 {
-  const auto file = NetcdfFile::Open(name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  return NetcdfReader(name, *file, choice).Open();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, NetcdfFile::Open(name.Path));
+  return NetcdfReader(name, file, choice).Open();
 }
 
 Result<std::vector<VolumeListing>> ListNetcdf(FileSystem& /*files*/, const VolumeName& name)
 {
-  const auto file = NetcdfFile::Open(name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, NetcdfFile::Open(name.Path));
   std::vector<VolumeListing> list;
-  for (const NetcdfVariable& variable : file->GetVariables())
+  for (const NetcdfVariable& variable : file.GetVariables())
   {
     list.push_back({ variable.Path, variable.Shape.empty() ? "1" : JoinNumbers(variable.Shape),
       variable.TypeName, variable.Storage });

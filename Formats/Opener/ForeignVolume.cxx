@@ -39,15 +39,14 @@ Result<OpenedVolume> OpenFormat(
       name.GetText() + ": cannot be read with the axes \"" + choice.Axes + "\": those of " +
         std::string(format->Name) + " files are given");
   }
-  const auto functions = format->Load(name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(functions.GetStatus());
-  if (!name.Within.empty() && !functions->List)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto functions, format->Load(name.Path));
+  if (!name.Within.empty() && !functions.List)
   {
     return Status(StatusCode::InvalidArgument,
       name.GetText() + ": cannot be read: a file of this format has one volume, and no \"" +
         name.Within + "\"");
   }
-  return functions->Open(files, name, choice);
+  return functions.Open(files, name, choice);
 }
 
 /// One of several files, each of which is a time step.
@@ -57,21 +56,20 @@ Result<OpenedVolume> OpenStepFile(FileSystem& files, const VolumeName& name,
   VolumeChoice one = choice;
   one.Step = 0;
   const std::string& path = steps[std::min(choice.Step, steps.size() - 1)];
-  auto volume = OpenFormat(files, { path, name.Within }, one);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  if (volume->Times.size() > 1)
+  ISOSURFACE_ASSIGN_OR_RETURN(auto volume, OpenFormat(files, { path, name.Within }, one));
+  if (volume.Times.size() > 1)
   {
     return Status(StatusCode::Unsupported,
       path + ": cannot be read as a time step of " + name.Path + ": it has " +
-        std::to_string(volume->Times.size()) + " time steps itself");
+        std::to_string(volume.Times.size()) + " time steps itself");
   }
   const std::string passed = over.GetText();
-  volume->LeftOut += (volume->LeftOut.empty() || passed.empty() ? "" : "; ") + passed;
-  volume->LeftOut += std::string(volume->LeftOut.empty() ? "" : "; ") + "the " +
+  volume.LeftOut += (volume.LeftOut.empty() || passed.empty() ? "" : "; ") + passed;
+  volume.LeftOut += std::string(volume.LeftOut.empty() ? "" : "; ") + "the " +
     std::to_string(steps.size()) + " files are time steps, numbered from 0";
-  volume->Files = { path };
-  volume->Times.resize(steps.size());
-  std::iota(volume->Times.begin(), volume->Times.end(), 0.0);
+  volume.Files = { path };
+  volume.Times.resize(steps.size());
+  std::iota(volume.Times.begin(), volume.Times.end(), 0.0);
   return volume;
 }
 
@@ -87,15 +85,15 @@ Result<OpenedVolume> OpenFormatOrSteps(
 Result<std::vector<VolumeListing>> ListFormat(FileSystem& files, const VolumeName& name)
 {
   const VolumeFormat* const format = FindVolumeFormat(files, name);
-  const auto functions = format ? format->Load(name.Path) : FormatFunctions();
-  ISOSURFACE_RETURN_IF_ERROR(functions.GetStatus());
-  if (!functions->List)
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto functions, format ? format->Load(name.Path) : FormatFunctions());
+  if (!functions.List)
   {
     return Status(StatusCode::Unsupported,
       name.GetText() + ": cannot be listed: it is a file of one volume, or of an unknown format");
   }
   const std::vector<std::string> steps = FindStepFiles(files, name.Path);
-  return functions->List(files, steps.empty() ? name : VolumeName{ steps.front(), name.Within });
+  return functions.List(files, steps.empty() ? name : VolumeName{ steps.front(), name.Within });
 }
 
 } // namespace

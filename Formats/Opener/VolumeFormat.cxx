@@ -192,9 +192,9 @@ Result<FormatFunctions> VolumeFormat::Load(const std::string& path) const
   {
     return this->Functions;
   }
-  const auto module = LoadFormatModule(this->Module, path + ": " + std::string(this->Name));
-  ISOSURFACE_RETURN_IF_ERROR(module.GetStatus());
-  return *static_cast<const FormatFunctions*>(*module);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto module, LoadFormatModule(this->Module, path + ": " + std::string(this->Name)));
+  return *static_cast<const FormatFunctions*>(module);
 }
 
 std::string ListFormatNames()

@@ -287,9 +287,8 @@ private:
 
 Result<RawVolume> ReadMetaImageHeader(FileSystem& files, const std::string& path)
 {
-  auto header = HeaderLines::Open(files, path);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  return MetaImageParser(files, *header).Parse();
+  ISOSURFACE_ASSIGN_OR_RETURN(auto header, HeaderLines::Open(files, path));
+  return MetaImageParser(files, header).Parse();
 }
 
 } // namespace isosurface

@@ -246,11 +246,9 @@ private:
 Result<OpenedVolume> OpenMrcVolume(
   FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
-  auto header = BinaryHeader::Open(files, name.Path, HeaderSize);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  MrcParser parser(*header);
-  const auto raw = parser.TakeSamples(choice.Step);
-  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto header, BinaryHeader::Open(files, name.Path, HeaderSize));
+  MrcParser parser(header);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto raw, parser.TakeSamples(choice.Step));
   OpenedVolume volume;
   for (std::int64_t step = 0; parser.GetSteps() > 1 && step < parser.GetSteps(); ++step)
   {
@@ -260,10 +258,10 @@ Result<OpenedVolume> OpenMrcVolume(
   {
     return volume; // OpenForeignVolume knows what to say of it
   }
-  auto source = raw->Open(files);
+  auto source = raw.Open(files);
   ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  ValueType type = raw->Type;
-  if (header->Get<std::int32_t>(Mode) == HalfMode)
+  ValueType type = raw.Type;
+  if (header.Get<std::int32_t>(Mode) == HalfMode)
   {
     *source = std::make_unique<ConvertedSource>(std::move(*source));
     type = ValueType::Float32;
@@ -279,8 +277,8 @@ Result<OpenedVolume> OpenMrcVolume(
       volume.LeftOut, "its sections are images that are no slices of a volume (space group 0)");
   }
   const std::uint64_t later =
-    *raw->CountBytes() * (static_cast<std::uint64_t>(parser.GetSteps()) - choice.Step - 1);
-  if (const std::string surplus = raw->DescribeSurplus(files, later); !surplus.empty())
+    *raw.CountBytes() * (static_cast<std::uint64_t>(parser.GetSteps()) - choice.Step - 1);
+  if (const std::string surplus = raw.DescribeSurplus(files, later); !surplus.empty())
   {
     AddNote(volume.LeftOut, surplus);
   }

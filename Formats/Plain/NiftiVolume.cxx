@@ -317,12 +317,11 @@ Result<OpenedVolume> OpenNiftiVolume(
 {
   bool isSecond = false;
   const std::string path = FindNiftiHeader(name.Path);
-  const auto header = OpenHeader(files, path, isSecond);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  const NiftiFields fields = isSecond ? TakeSecondFields(*header) : TakeFirstFields(*header);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto header, OpenHeader(files, path, isSecond));
+  const NiftiFields fields = isSecond ? TakeSecondFields(header) : TakeFirstFields(header);
   RawVolume raw;
-  raw.IsBigEndian = header->IsBigEndian();
-  raw.IsGzip = header->IsGzip();
+  raw.IsBigEndian = header.IsBigEndian();
+  raw.IsGzip = header.IsGzip();
   raw.Paths = { path };
   if (fields.IsPair)
   {
@@ -330,14 +329,14 @@ Result<OpenedVolume> OpenNiftiVolume(
     raw.IsGzip = FindExtension(raw.Paths.front()) == ".img.gz";
   }
   ISOSURFACE_RETURN_IF_ERROR(
-    TakeVolume(*header, fields, FindStart(fields, isSecond), choice.Step, raw));
+    TakeVolume(header, fields, FindStart(fields, isSecond), choice.Step, raw));
   OpenedVolume volume;
   TakePlace(fields, raw.Grid, volume.LeftOut);
   if (fields.Dimensions[0] >= 4 && fields.Dimensions[4] > 1)
   {
     if (fields.Dimensions[4] > MaximumTimeSteps)
     {
-      return header->MakeError(StatusCode::Unsupported, "it has too many time steps");
+      return header.MakeError(StatusCode::Unsupported, "it has too many time steps");
     }
     TakeTimes(fields, volume);
   }
@@ -350,7 +349,7 @@ Result<OpenedVolume> OpenNiftiVolume(
   const bool hasSlope = fields.Scale.Slope != 0 && std::isfinite(fields.Scale.Slope);
   if (hasSlope && !std::isfinite(fields.Scale.Intercept))
   {
-    return header->MakeError(
+    return header.MakeError(
       StatusCode::Corrupt, "its samples have a slope, and an intercept that is not finite");
   }
   const bool isScaled = hasSlope && !fields.Scale.IsIdentity();

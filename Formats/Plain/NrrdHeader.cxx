@@ -521,9 +521,8 @@ private:
 
 Result<RawVolume> ReadNrrdHeader(FileSystem& files, const std::string& path)
 {
-  auto header = HeaderLines::Open(files, path);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  return NrrdParser(files, *header).Parse();
+  ISOSURFACE_ASSIGN_OR_RETURN(auto header, HeaderLines::Open(files, path));
+  return NrrdParser(files, header).Parse();
 }
 
 } // namespace isosurface

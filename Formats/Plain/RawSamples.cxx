@@ -90,15 +90,14 @@ std::string MakeAdvice(const std::string& path)
 /// Ok if a file has as many bytes as its name says. A gzip stream ends with the last 32 bits of their number.
 Status CheckSize(FileSystem& files, const std::string& path, const RawVolume& raw)
 {
-  const auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, files.OpenForReading(path));
   const std::uint64_t wanted = raw.CountBytes().value_or(0);
-  const std::uint64_t size = (*file)->GetSize();
+  const std::uint64_t size = file->GetSize();
   std::uint8_t end[4] = {};
   if (IsGzipName(path))
   {
     ISOSURFACE_RETURN_IF_ERROR(
-      (*file)->Read(size - std::min<std::uint64_t>(size, sizeof(end)), sizeof(end), end));
+      file->Read(size - std::min<std::uint64_t>(size, sizeof(end)), sizeof(end), end));
     return LoadLittleEndian<std::uint32_t>(end) == static_cast<std::uint32_t>(wanted)
       ? Status::Ok()
       : Status(StatusCode::Corrupt,

@@ -79,20 +79,18 @@ Result<RawVolume> RawVolume::ReadHeader(FileSystem& files, const std::string& pa
 Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
   FileSystem& files, const std::string& path, std::uint64_t bytes) const
 {
-  auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const auto behindLines = SkipLines(**file, this->Offset, this->Lines);
-  ISOSURFACE_RETURN_IF_ERROR(behindLines.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.OpenForReading(path));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto behindLines, SkipLines(*file, this->Offset, this->Lines));
   if (this->IsGzip)
   {
     // Reading shows whether the stream has so many bytes.
     auto inflated =
-      std::make_unique<GzipFile>(std::move(*file), *behindLines, this->Skip + bytes, this->IsWhole);
+      std::make_unique<GzipFile>(std::move(file), behindLines, this->Skip + bytes, this->IsWhole);
     return std::unique_ptr<RandomAccessFile>(
       std::make_unique<SectionFile>(std::move(inflated), this->Skip, bytes));
   }
-  std::uint64_t begin = *behindLines + this->Skip;
-  const std::uint64_t available = (*file)->GetSize();
+  std::uint64_t begin = behindLines + this->Skip;
+  const std::uint64_t available = file->GetSize();
   if (this->EndsWithSamples && available >= bytes)
   {
     begin = available - bytes;
@@ -110,7 +108,7 @@ Result<std::unique_ptr<RandomAccessFile>> RawVolume::OpenPart(
         " bytes more than the samples that its header tells: their size, type or place is another");
   }
   return std::unique_ptr<RandomAccessFile>(
-    std::make_unique<SectionFile>(std::move(*file), begin, bytes));
+    std::make_unique<SectionFile>(std::move(file), begin, bytes));
 }
 
 std::string RawVolume::DescribeSurplus(FileSystem& files, std::uint64_t known) const
@@ -160,8 +158,7 @@ Result<std::unique_ptr<BoxSource>> RawVolume::Open(FileSystem& files) const
 
 Result<OpenedVolume> RawVolume::OpenVolume(FileSystem& files) const
 {
-  auto source = this->Open(files);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto source, this->Open(files));
   OpenedVolume volume;
   volume.Grid = this->Grid;
   volume.Arrays = { { this->ArrayName, this->Type, 1, this->SampleUnit } };
@@ -170,7 +167,7 @@ Result<OpenedVolume> RawVolume::OpenVolume(FileSystem& files) const
   {
     AddNote(volume.LeftOut, surplus);
   }
-  volume.Source = std::move(*source);
+  volume.Source = std::move(source);
   volume.Files = this->Paths;
   return volume;
 }
@@ -178,9 +175,8 @@ Result<OpenedVolume> RawVolume::OpenVolume(FileSystem& files) const
 Result<OpenedVolume> OpenRawVolume(
   FileSystem& files, const VolumeName& name, const VolumeChoice& /*choice*/)
 {
-  const auto raw = RawVolume::ReadHeader(files, name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(raw.GetStatus());
-  auto volume = raw->OpenVolume(files);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto raw, RawVolume::ReadHeader(files, name.Path));
+  auto volume = raw.OpenVolume(files);
   if (volume.IsOk() &&
     std::find(volume->Files.begin(), volume->Files.end(), name.Path) == volume->Files.end())
   {

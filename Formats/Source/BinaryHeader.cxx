@@ -11,30 +11,29 @@ namespace isosurface
 Result<BinaryHeader> BinaryHeader::Open(
   FileSystem& files, const std::string& path, std::size_t size)
 {
-  auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.OpenForReading(path));
   BinaryHeader header;
   header.Path = path;
   header.Bytes.resize(size);
-  if ((*file)->GetSize() >= 2)
+  if (file->GetSize() >= 2)
   {
     std::array<std::uint8_t, 2> magic{};
-    ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, magic.size(), magic.data()));
+    ISOSURFACE_RETURN_IF_ERROR(file->Read(0, magic.size(), magic.data()));
     header.Gzip = magic == std::array<std::uint8_t, 2>{ 0x1f, 0x8b };
   }
   if (header.Gzip)
   {
     // One byte more: the checksum at the end of the stream is of no use here.
-    const GzipFile inflated(std::move(*file), 0, size + 1);
+    const GzipFile inflated(std::move(file), 0, size + 1);
     ISOSURFACE_RETURN_IF_ERROR(inflated.Read(0, size, header.Bytes.data()));
     return header;
   }
-  if ((*file)->GetSize() < size)
+  if (file->GetSize() < size)
   {
     return header.MakeError(StatusCode::Corrupt,
-      "truncated: it has " + std::to_string((*file)->GetSize()) + " bytes, fewer than its header");
+      "truncated: it has " + std::to_string(file->GetSize()) + " bytes, fewer than its header");
   }
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, size, header.Bytes.data()));
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(0, size, header.Bytes.data()));
   return header;
 }
 

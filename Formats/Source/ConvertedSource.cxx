@@ -89,14 +89,13 @@ std::uint64_t ConvertedSource::GetReadBytes(const VertexBox& box) const
 
 Result<BoxSamples> ConvertedSource::Read(const VertexBox& box)
 {
-  const auto stored = this->Source->Read(box);
-  ISOSURFACE_RETURN_IF_ERROR(stored.GetStatus());
-  auto samples = this->Pool->Take(
-    static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type));
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto stored, this->Source->Read(box));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto samples,
+    this->Pool->Take(
+      static_cast<std::uint64_t>(box.GetNumberOfVertices()) * GetValueSize(this->Type)));
   // Rows without gaps are converted at once.
-  const SampleView& view = stored->Arrays.front();
-  std::uint8_t* to = (*samples)->GetData();
+  const SampleView& view = stored.Arrays.front();
+  std::uint8_t* to = samples->GetData();
   const std::int64_t run = view.Stride[0] == 1 ? box.GetSize()[0] : 1;
   const auto count = static_cast<std::size_t>(run);
   for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
@@ -119,7 +118,7 @@ Result<BoxSamples> ConvertedSource::Read(const VertexBox& box)
       }
     }
   }
-  return MakeBoxSamples(this->Type, box, std::move(*samples));
+  return MakeBoxSamples(this->Type, box, std::move(samples));
 }
 
 } // namespace isosurface

@@ -15,12 +15,11 @@ constexpr std::uint64_t MaximumHeaderSize = std::uint64_t{ 1 } << 20;
 
 Result<HeaderLines> HeaderLines::Open(FileSystem& files, const std::string& path)
 {
-  const auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, files.OpenForReading(path));
   HeaderLines header;
   header.Path = path;
-  header.Text.resize(static_cast<std::size_t>(std::min((*file)->GetSize(), MaximumHeaderSize)));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, header.Text.size(), header.Text.data()));
+  header.Text.resize(static_cast<std::size_t>(std::min(file->GetSize(), MaximumHeaderSize)));
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(0, header.Text.size(), header.Text.data()));
   return header;
 }
 

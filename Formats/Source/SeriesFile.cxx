@@ -28,9 +28,7 @@ Status SeriesFile::Read(std::uint64_t offset, std::size_t size, void* bytes) con
     }
     if (!this->OpenFile || this->OpenNumber != number)
     {
-      auto file = this->Open(this->Paths[number]);
-      ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-      this->OpenFile = std::move(*file);
+      ISOSURFACE_ASSIGN_OR_RETURN(this->OpenFile, this->Open(this->Paths[number]));
       this->OpenNumber = number;
     }
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(size, this->Size - within));

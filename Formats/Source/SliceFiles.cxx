@@ -101,21 +101,19 @@ std::string FindOriginal(const std::string& name)
 
 Result<bool> HaveSameBytes(FileSystem& files, const std::string& one, const std::string& other)
 {
-  const auto a = files.OpenForReading(one);
-  ISOSURFACE_RETURN_IF_ERROR(a.GetStatus());
-  const auto b = files.OpenForReading(other);
-  ISOSURFACE_RETURN_IF_ERROR(b.GetStatus());
-  const std::uint64_t size = (*a)->GetSize();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto a, files.OpenForReading(one));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto b, files.OpenForReading(other));
+  const std::uint64_t size = a->GetSize();
   constexpr std::uint64_t most = 1 << 20;
-  bool areSame = size == (*b)->GetSize();
+  bool areSame = size == b->GetSize();
   std::string parts[2];
   for (std::uint64_t at = 0; areSame && at < size; at += most)
   {
     const auto count = static_cast<std::size_t>(std::min(most, size - at));
     parts[0].resize(count);
     parts[1].resize(count);
-    ISOSURFACE_RETURN_IF_ERROR((*a)->Read(at, count, parts[0].data()));
-    ISOSURFACE_RETURN_IF_ERROR((*b)->Read(at, count, parts[1].data()));
+    ISOSURFACE_RETURN_IF_ERROR(a->Read(at, count, parts[0].data()));
+    ISOSURFACE_RETURN_IF_ERROR(b->Read(at, count, parts[1].data()));
     areSame = parts[0] == parts[1];
   }
   return areSame;
@@ -134,9 +132,9 @@ Status LeaveOutCopies(
       kept.push_back(name);
       continue;
     }
-    const auto isCopy = HaveSameBytes(files, MakePath(folder, name), MakePath(folder, original));
-    ISOSURFACE_RETURN_IF_ERROR(isCopy.GetStatus());
-    if (!*isCopy)
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto isCopy, HaveSameBytes(files, MakePath(folder, name), MakePath(folder, original)));
+    if (!isCopy)
     {
       return Status(StatusCode::Corrupt,
         MakePath(folder, name) + ": is named as a copy of " + MakePath(folder, original) +
@@ -172,9 +170,8 @@ Result<SliceFiles> SliceFiles::Find(FileSystem& files, const std::string& path)
     return SliceFiles{ "TIFF", { path }, "" };
   }
   const std::string folder = isPattern ? FindFolder(path) : path;
-  const auto found = files.List(folder);
-  ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-  const std::vector<std::string> all = isPattern ? FindFittingNames(files, path, &over) : *found;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto found, files.List(folder));
+  const std::vector<std::string> all = isPattern ? FindFittingNames(files, path, &over) : found;
   SliceFiles slices;
   slices.Kind = FindKind(all);
   const bool areAll = isPattern && slices.Kind.empty(); // TIFF without its extension

@@ -219,11 +219,10 @@ private:
       {
         continue;
       }
-      auto file = this->FindFile(node);
-      ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+      ISOSURFACE_ASSIGN_OR_RETURN(auto file, this->FindFile(node));
       const char* const names[] = { "FirstZ", "FirstC", "FirstT" };
       TiffImage::Run run;
-      run.File = std::move(*file);
+      run.File = std::move(file);
       std::int64_t step = 1;
       for (const std::size_t axis : image.Order)
       {

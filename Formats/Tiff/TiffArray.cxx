@@ -65,10 +65,9 @@ Status TiffArray::OpenFile(std::size_t number)
 {
   if (!this->Opened || this->OpenNumber != number)
   {
-    auto file = TiffFile::Open(this->Files, (*this->Paths)[number]);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    (*file)->SetFormat(this->Format);
-    this->Opened = std::move(*file);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto file, TiffFile::Open(this->Files, (*this->Paths)[number]));
+    file->SetFormat(this->Format);
+    this->Opened = std::move(file);
     this->OpenNumber = number;
   }
   return Status::Ok();

@@ -167,11 +167,9 @@ TiffFile::~TiffFile() = default;
 
 Result<std::unique_ptr<TiffFile>> TiffFile::Open(FileSystem& files, const std::string& path)
 {
-  auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  auto handle = TiffHandle::Open(std::move(*file));
-  ISOSURFACE_RETURN_IF_ERROR(handle.GetStatus());
-  return std::unique_ptr<TiffFile>(new TiffFile(std::move(*handle)));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.OpenForReading(path));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto handle, TiffHandle::Open(std::move(file)));
+  return std::unique_ptr<TiffFile>(new TiffFile(std::move(handle)));
 }
 
 Status TiffFile::MakeError(StatusCode code, const std::string& reason) const
@@ -270,13 +268,11 @@ Status TiffFile::TakeFormat(const TiffPage& first)
   {
     return this->MakeError(StatusCode::Corrupt, "its directory cannot be read");
   }
-  const auto format = this->ReadFormat();
-  ISOSURFACE_RETURN_IF_ERROR(format.GetStatus());
-  const auto scratch = this->FindScratchBytes(*format);
-  ISOSURFACE_RETURN_IF_ERROR(scratch.GetStatus());
-  this->Format = *format;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto format, this->ReadFormat());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto scratch, this->FindScratchBytes(format));
+  this->Format = format;
   this->Unit = this->FindUnit();
-  this->ScratchBytes = *scratch;
+  this->ScratchBytes = scratch;
   return Status::Ok();
 }
 
@@ -334,24 +330,23 @@ Status TiffFile::ReadRows(const TiffPage& page, const TiffRectangle& rectangle, 
     const std::int64_t end = std::min(rectangle.HighY, (number + 1) * rowsPerStrip);
     const std::int64_t rows = isWhole ? end - row : 1;
     const std::size_t size = bytes * static_cast<std::size_t>(rows);
-    const auto strip =
-      this->FindStrile(::TIFFComputeStrip(tiff, static_cast<std::uint32_t>(row), page.Plane));
-    ISOSURFACE_RETURN_IF_ERROR(strip.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto strip,
+      this->FindStrile(::TIFFComputeStrip(tiff, static_cast<std::uint32_t>(row), page.Plane)));
     const auto skipped = static_cast<std::uint64_t>(row - number * rowsPerStrip);
-    if (strip->IsAbsent())
+    if (strip.IsAbsent())
     {
       FillSamples(to, size, this->FindFill(), valueSize);
     }
-    else if (strip->Offset == 0 ||
-      strip->Size / rowBytes < skipped + static_cast<std::uint64_t>(rows))
+    else if (strip.Offset == 0 ||
+      strip.Size / rowBytes < skipped + static_cast<std::uint64_t>(rows))
     {
       return this->MakeError(StatusCode::Corrupt,
         "the strip of row " + std::to_string(number * rowsPerStrip) + " is truncated: it has " +
-          std::to_string(strip->Size) + " bytes");
+          std::to_string(strip.Size) + " bytes");
     }
     else
     {
-      const std::uint64_t offset = strip->Offset + page.Shift + skipped * rowBytes +
+      const std::uint64_t offset = strip.Offset + page.Shift + skipped * rowBytes +
         static_cast<std::uint64_t>(rectangle.LowX) * pixelBytes;
       ISOSURFACE_RETURN_IF_ERROR(this->Tiff->File->Read(offset, size, to));
       if (::TIFFIsByteSwapped(tiff) != 0)
@@ -427,9 +422,8 @@ Status TiffFile::ReadStrips(const TiffPage& page, const TiffRectangle& rectangle
     const std::uint32_t number =
       ::TIFFComputeStrip(tiff, static_cast<std::uint32_t>(first), page.Plane);
     const std::int64_t last = std::min(end, rectangle.HighY);
-    const auto found = this->FindStrile(number);
-    ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-    if (found->IsAbsent())
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto found, this->FindStrile(number));
+    if (found.IsAbsent())
     {
       const std::size_t size = static_cast<std::size_t>(last - row) * bytes;
       FillSamples(to, size, this->FindFill(), valueSize);
@@ -437,7 +431,7 @@ Status TiffFile::ReadStrips(const TiffPage& page, const TiffRectangle& rectangle
       row = last;
       continue;
     }
-    const bool hasCode = this->HasCodeOf(*found);
+    const bool hasCode = this->HasCodeOf(found);
     if (hasCode && !isWhole)
     {
       this->Scratch.resize(stripBytes);
@@ -484,18 +478,17 @@ Status TiffFile::ReadTiles(const TiffPage& page, const TiffRectangle& rectangle,
     {
       const std::uint32_t tile = ::TIFFComputeTile(
         tiff, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), 0, page.Plane);
-      const auto found = this->FindStrile(tile);
-      ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-      const bool hasCode = !found->IsAbsent() && this->HasCodeOf(*found);
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto found, this->FindStrile(tile));
+      const bool hasCode = !found.IsAbsent() && this->HasCodeOf(found);
       this->Scratch.resize(hasCode ? static_cast<std::size_t>(tileBytes) : this->Scratch.size());
-      if (!found->IsAbsent() &&
+      if (!found.IsAbsent() &&
         (!hasCode ||
           ::TIFFReadEncodedTile(tiff, tile, this->Scratch.data(), tileBytes) != tileBytes))
       {
         return this->MakeError(
           StatusCode::Corrupt, "tile " + std::to_string(tile) + " is truncated");
       }
-      const auto fill = found->IsAbsent() ? this->FindFill() : std::array<std::uint8_t, 8>();
+      const auto fill = found.IsAbsent() ? this->FindFill() : std::array<std::uint8_t, 8>();
       const std::int64_t left = std::max(x, rectangle.LowX);
       const std::int64_t right = std::min(x + width, rectangle.HighX);
       const std::size_t size = static_cast<std::size_t>(right - left) * pixelBytes;
@@ -504,7 +497,7 @@ Status TiffFile::ReadTiles(const TiffPage& page, const TiffRectangle& rectangle,
       {
         std::uint8_t* const samples = to + static_cast<std::size_t>(row - rectangle.LowY) * bytes +
           static_cast<std::size_t>(left - rectangle.LowX) * pixelBytes;
-        if (found->IsAbsent())
+        if (found.IsAbsent())
         {
           FillSamples(samples, size, fill, valueSize);
           continue;

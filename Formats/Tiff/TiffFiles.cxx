@@ -19,16 +19,14 @@ Result<TiffFiles::ReadFile*> TiffFiles::Open(const std::string& path)
   auto found = this->Read.find(path);
   if (found == this->Read.end())
   {
-    auto file = TiffFile::Open(this->Files, path);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    auto contents = (*file)->FindPages();
-    ISOSURFACE_RETURN_IF_ERROR(contents.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(auto file, TiffFile::Open(this->Files, path));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto contents, file->FindPages());
     constexpr std::size_t most = 256;
     for (auto at = this->Read.begin(); this->Read.size() >= most && at != this->Read.end();)
     {
       at = at->first == this->Own ? std::next(at) : this->Read.erase(at);
     }
-    found = this->Read.emplace(path, ReadFile{ std::move(*file), std::move(*contents) }).first;
+    found = this->Read.emplace(path, ReadFile{ std::move(file), std::move(contents) }).first;
   }
   return &found->second;
 }

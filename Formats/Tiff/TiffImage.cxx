@@ -40,9 +40,9 @@ Status TiffImage::Visit(
   std::int64_t visited = 0;
   for (const Run& run : this->Runs)
   {
-    const auto found = run.Count < 0 ? countPages(run.File) : Result<std::int64_t>(run.Count);
-    ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-    const std::int64_t count = *found;
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto found, run.Count < 0 ? countPages(run.File) : Result<std::int64_t>(run.Count));
+    const std::int64_t count = found;
     // So what is visited is no more than the image has, whatever the runs say.
     visited += count;
     if (count > planes || visited > planes || run.FirstPlane > planes - count)

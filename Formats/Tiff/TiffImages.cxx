@@ -49,43 +49,42 @@ Result<TiffImages> TiffImages::Read(
 
 Status TiffImages::FindImages()
 {
-  const auto read = this->Files.Open(this->Files.GetOwn());
-  ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-  const std::string text = (*read)->Contents.Description;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto read, this->Files.Open(this->Files.GetOwn()));
+  const std::string text = read->Contents.Description;
   if (OmeXml::IsOme(text))
   {
     ISOSURFACE_RETURN_IF_ERROR(this->ReadOme(text));
   }
   else if (const auto properties = TiffDescription::FindImageJ(text))
   {
-    ISOSURFACE_RETURN_IF_ERROR(TiffFiles::CheckStack(**read));
+    ISOSURFACE_RETURN_IF_ERROR(TiffFiles::CheckStack(*read));
     auto image = TiffDescription::MakeImageJ(
-      *properties, (*read)->Contents, static_cast<std::int64_t>((*read)->Contents.Pages.size()));
+      *properties, read->Contents, static_cast<std::int64_t>(read->Contents.Pages.size()));
     if (!image.IsOk())
     {
       return this->AddPath(image.GetStatus());
     }
     this->Images = { std::move(*image) };
   }
-  else if (!(*read)->Contents.Shapes.empty() && (*read)->Contents.Shapes.front().first == 0)
+  else if (!read->Contents.Shapes.empty() && read->Contents.Shapes.front().first == 0)
   {
-    auto images = TiffDescription::MakeShaped((*read)->Contents, this->GetPageAxes());
+    auto images = TiffDescription::MakeShaped(read->Contents, this->GetPageAxes());
     if (!images.IsOk())
     {
       return this->AddPath(images.GetStatus());
     }
     this->Images = std::move(*images);
     this->IsShaped = true;
-    NoteResolution((*read)->Contents, this->Images.front());
+    NoteResolution(read->Contents, this->Images.front());
   }
   else
   {
-    ISOSURFACE_RETURN_IF_ERROR(TiffFiles::CheckStack(**read));
+    ISOSURFACE_RETURN_IF_ERROR(TiffFiles::CheckStack(*read));
     TiffImage image;
-    const auto pages = static_cast<std::int64_t>((*read)->Contents.Pages.size());
+    const auto pages = static_cast<std::int64_t>(read->Contents.Pages.size());
     image.Sizes[TiffImage::Slices] = pages;
     image.Runs = { { "", 0, 0, pages } };
-    const std::string& program = (*read)->Contents.Program;
+    const std::string& program = read->Contents.Program;
     if (!program.empty() && pages > 1)
     {
       image.AddNote(program +
@@ -97,7 +96,7 @@ Status TiffImages::FindImages()
       return this->Files.MakeError(StatusCode::Unsupported,
         program + " keeps all slices of a stack in one page, in its own way");
     }
-    NoteResolution((*read)->Contents, image);
+    NoteResolution(read->Contents, image);
     this->Images = { std::move(image) };
   }
   if (!this->Choice.Axes.empty() && !this->Choice.IsRecorded && !this->IsShaped)
@@ -106,7 +105,7 @@ Status TiffImages::FindImages()
       this->Name.GetText() + ": cannot be read with the axes \"" + this->Choice.Axes +
         "\": those of TIFF files are given");
   }
-  this->Notes = (*read)->Contents.Notes;
+  this->Notes = read->Contents.Notes;
   return Status::Ok();
 }
 
@@ -123,9 +122,9 @@ Status TiffImages::ReadOme(const std::string& text)
   auto ome = OmeXml::Parse(text, name);
   if (ome.IsOk() && !ome->MetadataFile.empty())
   {
-    const auto other = this->ReadMetadata(this->Files.FindPath(ome->MetadataFile));
-    ISOSURFACE_RETURN_IF_ERROR(other.GetStatus());
-    ome = OmeXml::Parse(*other, name);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto other, this->ReadMetadata(this->Files.FindPath(ome->MetadataFile)));
+    ome = OmeXml::Parse(other, name);
     if (ome.IsOk() && !ome->MetadataFile.empty())
     {
       return this->Files.MakeError(StatusCode::Unsupported,
@@ -152,18 +151,16 @@ Result<std::string> TiffImages::ReadMetadata(const std::string& path)
 {
   if (SliceFiles::FindKind({ std::filesystem::path(path).filename().string() }) == "TIFF")
   {
-    const auto read = this->Files.Open(path);
-    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-    return (*read)->Contents.Description;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto read, this->Files.Open(path));
+    return read->Contents.Description;
   }
-  const auto file = this->Files.GetFileSystem().OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  if ((*file)->GetSize() > MaximumMetadata)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, this->Files.GetFileSystem().OpenForReading(path));
+  if (file->GetSize() > MaximumMetadata)
   {
     return Status(StatusCode::Unsupported, path + ": OME-XML of more than 64 MiB is not read");
   }
-  std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  std::string text(static_cast<std::size_t>(file->GetSize()), '\0');
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(0, text.size(), text.data()));
   this->Metadata = path;
   return text;
 }

@@ -87,9 +87,8 @@ Result<TiffContents> TiffFile::FindPages()
     }
     if (format.IsOk())
     {
-      const auto scratch = this->FindScratchBytes(*format);
-      ISOSURFACE_RETURN_IF_ERROR(scratch.GetStatus());
-      this->ScratchBytes = std::max(this->ScratchBytes, *scratch);
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto scratch, this->FindScratchBytes(*format));
+      this->ScratchBytes = std::max(this->ScratchBytes, scratch);
       auto known = std::find(contents.Formats.begin(), contents.Formats.end(), *format);
       if (known == contents.Formats.end() && contents.Formats.size() < MaximumFormats)
       {

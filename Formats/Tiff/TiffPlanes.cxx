@@ -36,9 +36,8 @@ Status TiffPlanes::TakeImage(TiffImage& image)
   std::map<std::pair<std::int64_t, std::int64_t>, TiffSlice> found;
   const auto count = [this](const std::string& file) -> Result<std::int64_t>
   {
-    const auto read = this->Files.Open(this->Files.FindPath(file));
-    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-    return static_cast<std::int64_t>((*read)->Contents.Pages.size());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto read, this->Files.Open(this->Files.FindPath(file)));
+    return static_cast<std::int64_t>(read->Contents.Pages.size());
   };
   const auto visit = [&](const std::array<std::int64_t, 3>& place, const std::string& file,
                        std::int64_t page) -> Status
@@ -48,18 +47,17 @@ Status TiffPlanes::TakeImage(TiffImage& image)
       return Status::Ok();
     }
     const std::string path = this->Files.FindPath(file);
-    const auto read = this->Files.Open(path);
-    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-    const std::vector<TiffPage>& pages = (*read)->Contents.Pages;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto read, this->Files.Open(path));
+    const std::vector<TiffPage>& pages = read->Contents.Pages;
     if (page >= static_cast<std::int64_t>(pages.size()))
     {
       return this->Files.MakeError(StatusCode::Corrupt,
         "truncated: its description names page " + std::to_string(page + 1) + " of " + path +
           ", which has " + std::to_string(pages.size()));
     }
-    const auto slice = this->MakeSlice(**read, path, pages[static_cast<std::size_t>(page)]);
-    ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
-    found[{ place[TiffImage::Channels], place[TiffImage::Slices] }] = *slice;
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto slice, this->MakeSlice(*read, path, pages[static_cast<std::size_t>(page)]));
+    found[{ place[TiffImage::Channels], place[TiffImage::Slices] }] = slice;
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(image.Visit(this->Files.GetOwn(), count, visit));
@@ -172,16 +170,14 @@ Status TiffPlanes::TakeStack(const std::vector<std::string>& paths, TiffImage& i
   Slices& slices = this->Channels[0];
   for (const std::string& path : paths)
   {
-    const auto read = this->Files.Open(path);
-    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(TiffFiles::CheckStack(**read));
-    for (const TiffPage& page : (*read)->Contents.Pages)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto read, this->Files.Open(path));
+    ISOSURFACE_RETURN_IF_ERROR(TiffFiles::CheckStack(*read));
+    for (const TiffPage& page : read->Contents.Pages)
     {
-      const auto slice = this->MakeSlice(**read, path, page);
-      ISOSURFACE_RETURN_IF_ERROR(slice.GetStatus());
-      slices.push_back(*slice);
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto slice, this->MakeSlice(*read, path, page));
+      slices.push_back(slice);
     }
-    if (path == this->Files.GetOwn() && (*read)->Contents.Pages.size() > 1 &&
+    if (path == this->Files.GetOwn() && read->Contents.Pages.size() > 1 &&
       image.Sizes[TiffImage::Slices] != image.GetNumberOfPlanes())
     {
       return this->Files.MakeError(StatusCode::Unsupported,

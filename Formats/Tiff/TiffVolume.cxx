@@ -47,13 +47,12 @@ Result<std::vector<ArrayPart>> MakeChannels(
       {
         slice.Page.Plane = static_cast<std::uint16_t>(plane);
       }
-      auto array = TiffArray::Open(files, paths, std::move(ofPlane), format, image.IsOffset);
-      ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        auto array, TiffArray::Open(files, paths, std::move(ofPlane), format, image.IsOffset));
       const std::string name =
         isAlone ? ArrayName : NameChannel(image, channel * format.Planes + plane, parts);
-      const auto made = MakeParts(name, std::move(*array), *axes, 0);
-      ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
-      parts.insert(parts.end(), made->begin(), made->end());
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto made, MakeParts(name, std::move(array), *axes, 0));
+      parts.insert(parts.end(), made.begin(), made.end());
     }
   }
   return parts;
@@ -90,71 +89,64 @@ void TakePlaceAndNotes(const TiffPlanes& planes, TiffImage& image, OpenedVolume&
 
 Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
-  const auto stack = SliceFiles::Find(files, name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(stack.GetStatus());
-  const std::vector<std::string>& paths = stack->Paths;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto stack, SliceFiles::Find(files, name.Path));
+  const std::vector<std::string>& paths = stack.Paths;
   TiffFiles read(files, paths.front());
-  const auto images = TiffImages::Read(read, name, choice);
-  ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
-  auto image = images->Choose();
-  ISOSURFACE_RETURN_IF_ERROR(image.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto images, TiffImages::Read(read, name, choice));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto image, images.Choose());
   TiffPlanes planes(read, choice);
-  const bool isOfOneFile = std::all_of(image->Runs.begin(), image->Runs.end(),
+  const bool isOfOneFile = std::all_of(image.Runs.begin(), image.Runs.end(),
     [](const TiffImage::Run& run) { return run.File.empty(); });
   if (paths.size() > 1 && isOfOneFile)
   {
-    ISOSURFACE_RETURN_IF_ERROR(planes.TakeStack(paths, *image));
-    if (!image->Unit.empty() && image->Spacing[2] == 1)
+    ISOSURFACE_RETURN_IF_ERROR(planes.TakeStack(paths, image));
+    if (!image.Unit.empty() && image.Spacing[2] == 1)
     {
-      image->AddNote("the distance of slices in several files is not told, and taken as 1");
+      image.AddNote("the distance of slices in several files is not told, and taken as 1");
     }
   }
   else
   {
-    ISOSURFACE_RETURN_IF_ERROR(planes.TakeImage(*image));
+    ISOSURFACE_RETURN_IF_ERROR(planes.TakeImage(image));
     if (paths.size() > 1)
     {
-      image->AddNote(
+      image.AddNote(
         "the image is that of " + paths.front() + ", whose OME-XML says which files it is in");
     }
   }
   planes.ChooseLevel();
-  auto parts = MakeChannels(files, planes, *image);
-  ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto parts, MakeChannels(files, planes, image));
   OpenedVolume volume;
   volume.Grid.Extent = {};
-  ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), choice.Arrays, volume));
-  if (!stack->LeftOut.empty())
+  ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), choice.Arrays, volume));
+  if (!stack.LeftOut.empty())
   {
-    image->AddNote(stack->LeftOut);
+    image.AddNote(stack.LeftOut);
   }
-  if (!images->GetNotes().empty())
+  if (!images.GetNotes().empty())
   {
-    image->AddNote(images->GetNotes());
+    image.AddNote(images.GetNotes());
   }
-  TakePlaceAndNotes(planes, *image, volume);
+  TakePlaceAndNotes(planes, image, volume);
   volume.Files = planes.GetPaths();
-  if (!images->GetMetadata().empty())
+  if (!images.GetMetadata().empty())
   {
-    volume.Files.push_back(images->GetMetadata());
+    volume.Files.push_back(images.GetMetadata());
   }
   return volume;
 }
 
 Result<std::vector<VolumeListing>> ListTiff(FileSystem& files, const VolumeName& name)
 {
-  const auto stack = SliceFiles::Find(files, name.Path);
-  ISOSURFACE_RETURN_IF_ERROR(stack.GetStatus());
-  const std::vector<std::string>& paths = stack->Paths;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto stack, SliceFiles::Find(files, name.Path));
+  const std::vector<std::string>& paths = stack.Paths;
   TiffFiles read(files, paths.front());
   const VolumeChoice choice;
-  const auto images = TiffImages::Read(read, name, choice);
-  ISOSURFACE_RETURN_IF_ERROR(images.GetStatus());
-  const auto own = read.Open(paths.front());
-  ISOSURFACE_RETURN_IF_ERROR(own.GetStatus());
-  const TiffFormat& format = (*own)->Contents.Formats.front();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto images, TiffImages::Read(read, name, choice));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto own, read.Open(paths.front()));
+  const TiffFormat& format = own->Contents.Formats.front();
   std::vector<VolumeListing> list;
-  for (const TiffImage& image : images->Get())
+  for (const TiffImage& image : images.Get())
   {
     std::string shape;
     for (const TiffImage::Axis axis : { TiffImage::Frames, TiffImage::Channels, TiffImage::Slices })
@@ -165,7 +157,7 @@ Result<std::vector<VolumeListing>> ListTiff(FileSystem& files, const VolumeName&
     const bool isKnown = image.Width > 0 && image.Height > 0;
     shape += std::to_string(isKnown ? image.Height : format.Height) + " x " +
       std::to_string(isKnown ? image.Width : format.Width);
-    list.push_back({ images->GetName(list.size()), shape,
+    list.push_back({ images.GetName(list.size()), shape,
       image.Type.empty() ? GetValueTypeName(format.Type) : image.Type, image.DescribeSizes() });
   }
   return list;

@@ -143,9 +143,8 @@ Result<ZarrArray::Samples> ZarrArray::Decode(
       "a chunk has " + std::to_string(size) + " bytes for " + std::to_string(decoded) +
         " of samples");
   }
-  auto allocated = this->Allocate(decoded);
-  ISOSURFACE_RETURN_IF_ERROR(allocated.GetStatus());
-  std::uint8_t* const samples = allocated->get();
+  ISOSURFACE_ASSIGN_OR_RETURN(auto allocated, this->Allocate(decoded));
+  std::uint8_t* const samples = allocated.get();
   if (this->Metadata.Encoding.Codecs.empty())
   {
     if (size != decoded)
@@ -253,9 +252,8 @@ Result<ZarrArray::Samples> ZarrArray::LoadFromN5(const RandomAccessFile& file)
     return block;
   }
   // Blocks at the end of the array may be smaller: each row goes where a whole block has it.
-  auto whole = this->Allocate(this->ChunkBytes);
-  ISOSURFACE_RETURN_IF_ERROR(whole.GetStatus());
-  std::fill_n(whole->get(), this->ChunkBytes, std::uint8_t{ 0 });
+  ISOSURFACE_ASSIGN_OR_RETURN(auto whole, this->Allocate(this->ChunkBytes));
+  std::fill_n(whole.get(), this->ChunkBytes, std::uint8_t{ 0 });
   const Numbers first(rank, 0);
   Numbers rows = size;
   rows.back() = 1;
@@ -271,7 +269,7 @@ Result<ZarrArray::Samples> ZarrArray::LoadFromN5(const RandomAccessFile& file)
       row = row * static_cast<std::ptrdiff_t>(this->Metadata.Chunk[axis]) +
         static_cast<std::ptrdiff_t>(at[axis]);
     }
-    std::copy_n(from, rowBytes, whole->get() + row * static_cast<std::ptrdiff_t>(this->StoredSize));
+    std::copy_n(from, rowBytes, whole.get() + row * static_cast<std::ptrdiff_t>(this->StoredSize));
     from += rowBytes;
   } while (Advance(at, first, rows));
   return whole;
@@ -417,9 +415,8 @@ Status ZarrArray::Read(const Numbers& low, const Numbers& size, std::uint8_t* to
         std::min(begin + this->Metadata.Chunk[axis], this->Metadata.Shape[axis]);
       isPart = isPart || begin < low[axis] || stop > low[axis] + size[axis];
     }
-    const auto samples = this->TakeChunk(chunk, isPart);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    this->CopyChunk(samples->get(), chunk, low, size, to);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, this->TakeChunk(chunk, isPart));
+    this->CopyChunk(samples.get(), chunk, low, size, to);
   } while (Advance(chunk, first, end));
   return Status::Ok();
 }

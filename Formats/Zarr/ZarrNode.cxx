@@ -54,14 +54,13 @@ Result<Json> ReadJson(FileSystem& files, const std::string& path)
   {
     return Json();
   }
-  const auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  if ((*file)->GetSize() > MaximumJsonSize)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, files.OpenForReading(path));
+  if (file->GetSize() > MaximumJsonSize)
   {
     return Status(StatusCode::Corrupt, path + ": cannot be read: it is too large for metadata");
   }
-  std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  std::string text(static_cast<std::size_t>(file->GetSize()), '\0');
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(0, text.size(), text.data()));
   if (IsJsonDeeperThan(text, MaximumNesting))
   {
     return Status(StatusCode::Corrupt,
@@ -86,39 +85,35 @@ Result<ZarrNode> ZarrNode::Read(FileSystem& files, const std::string& folder)
 {
   ZarrNode node;
   node.Attributes = Json::object();
-  auto third = ReadJson(files, folder + "/zarr.json");
-  ISOSURFACE_RETURN_IF_ERROR(third.GetStatus());
-  if (third->is_object())
+  ISOSURFACE_ASSIGN_OR_RETURN(auto third, ReadJson(files, folder + "/zarr.json"));
+  if (third.is_object())
   {
     node.Version = 3;
-    node.IsArray = FindJsonText(*third, "node_type") == "array";
-    if (FindJson(*third, "attributes").is_object())
+    node.IsArray = FindJsonText(third, "node_type") == "array";
+    if (FindJson(third, "attributes").is_object())
     {
-      node.Attributes = FindJson(*third, "attributes");
+      node.Attributes = FindJson(third, "attributes");
     }
-    node.Array = std::move(*third);
+    node.Array = std::move(third);
     return node;
   }
-  auto array = ReadJson(files, folder + "/.zarray");
-  ISOSURFACE_RETURN_IF_ERROR(array.GetStatus());
-  auto attributes = ReadJson(files, folder + "/.zattrs");
-  ISOSURFACE_RETURN_IF_ERROR(attributes.GetStatus());
-  if (array->is_object() || attributes->is_object() || files.Exists(folder + "/.zgroup"))
+  ISOSURFACE_ASSIGN_OR_RETURN(auto array, ReadJson(files, folder + "/.zarray"));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto attributes, ReadJson(files, folder + "/.zattrs"));
+  if (array.is_object() || attributes.is_object() || files.Exists(folder + "/.zgroup"))
   {
     node.Version = 2;
-    node.IsArray = array->is_object();
-    node.Array = std::move(*array);
-    node.Attributes = attributes->is_object() ? std::move(*attributes) : node.Attributes;
+    node.IsArray = array.is_object();
+    node.Array = std::move(array);
+    node.Attributes = attributes.is_object() ? std::move(attributes) : node.Attributes;
     return node;
   }
-  auto n5 = ReadJson(files, folder + "/attributes.json");
-  ISOSURFACE_RETURN_IF_ERROR(n5.GetStatus());
-  if (n5->is_object())
+  ISOSURFACE_ASSIGN_OR_RETURN(auto n5, ReadJson(files, folder + "/attributes.json"));
+  if (n5.is_object())
   {
     node.Version = 5;
-    node.IsArray = n5->contains("dimensions") && n5->contains("blockSize");
-    node.Array = *n5;
-    node.Attributes = std::move(*n5);
+    node.IsArray = n5.contains("dimensions") && n5.contains("blockSize");
+    node.Array = n5;
+    node.Attributes = std::move(n5);
   }
   return node;
 }

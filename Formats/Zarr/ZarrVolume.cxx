@@ -68,18 +68,17 @@ private:
   /// folder has.
   Status OpenFolder(int depth)
   {
-    const auto node = ZarrNode::Read(this->Files, this->Folder);
-    ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
-    if (node->IsArray)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto node, ZarrNode::Read(this->Files, this->Folder));
+    if (node.IsArray)
     {
-      return this->OpenLevel(*node);
+      return this->OpenLevel(node);
     }
-    const Json& ome = FindOme(*node);
+    const Json& ome = FindOme(node);
     if (const Json& image = FindImage(ome); !image.is_null())
     {
       this->TellOthers(ome);
-      this->Attributes = node->Attributes;
-      return this->OpenImage(image, FindJson(ome, "omero"), std::nullopt, node->Version == 5);
+      this->Attributes = node.Attributes;
+      return this->OpenImage(image, FindJson(ome, "omero"), std::nullopt, node.Version == 5);
     }
     if (!FindJson(ome, "bioformats2raw.layout").is_null() && depth < MaximumZarrDepth)
     {
@@ -251,23 +250,22 @@ private:
   Status OpenArray(const std::string& folder, const ZarrNode& node, const std::string& letters,
     const std::vector<std::string>& channels, bool isImage)
   {
-    auto metadata = ParseZarrMetadata(node, folder);
-    ISOSURFACE_RETURN_IF_ERROR(metadata.GetStatus());
-    FindChunks(this->Files, folder, *metadata, this->Volume.LeftOut);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto metadata, ParseZarrMetadata(node, folder));
+    FindChunks(this->Files, folder, metadata, this->Volume.LeftOut);
     std::string axisLetters = this->Choice.Axes.empty() ? letters : this->Choice.Axes;
-    axisLetters = axisLetters.empty() ? this->FindArrayLetters(node, *metadata) : axisLetters;
-    const std::vector<std::string> names = metadata->DimensionNames;
-    const auto axes = ArrayAxes::Parse(axisLetters, metadata->Shape);
+    axisLetters = axisLetters.empty() ? this->FindArrayLetters(node, metadata) : axisLetters;
+    const std::vector<std::string> names = metadata.DimensionNames;
+    const auto axes = ArrayAxes::Parse(axisLetters, metadata.Shape);
     if (!axes.IsOk())
     {
       return this->MakeError(axes.GetStatus().GetCode(), folder, axes.GetStatus().GetMessage());
     }
     auto array = std::make_shared<ZarrArray>(
-      this->Files, folder, std::move(*metadata), this->Choice.CacheBytes);
-    auto parts = MakeParts(this->ArrayName.empty() ? this->MakeName() : this->ArrayName, array,
-      *axes, this->Choice.Step, channels);
-    ISOSURFACE_RETURN_IF_ERROR(parts.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(*parts), this->Choice.Arrays, this->Volume));
+      this->Files, folder, std::move(metadata), this->Choice.CacheBytes);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto parts,
+      MakeParts(this->ArrayName.empty() ? this->MakeName() : this->ArrayName, array, *axes,
+        this->Choice.Step, channels));
+    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), this->Choice.Arrays, this->Volume));
     this->Axes = *axes;
     this->Volume.Files = { folder };
     this->Volume.Storage = node.Array.dump();
@@ -355,11 +353,10 @@ private:
       if (fitting.size() == 1)
       {
         const std::string folder = this->Folder + "/" + fitting[0]->Path;
-        const auto node = ZarrNode::Read(this->Files, folder);
-        ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
+        ISOSURFACE_ASSIGN_OR_RETURN(const auto node, ZarrNode::Read(this->Files, folder));
         const std::string last = GetLastPart(folder);
         this->ArrayName = last == "s0" ? this->MakeName() : last;
-        return this->OpenArray(folder, *node, {}, {}, false);
+        return this->OpenArray(folder, node, {}, {}, false);
       }
       if (!fitting.empty())
       {
@@ -486,13 +483,12 @@ private:
       std::reverse(letters.begin(), letters.end());
     }
     const std::string folder = this->Folder + "/" + path;
-    const auto node = ZarrNode::Read(this->Files, folder);
-    ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
-    if (!node->IsArray)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto node, ZarrNode::Read(this->Files, folder));
+    if (!node.IsArray)
     {
       return this->MakeError(StatusCode::Corrupt, folder, "there is no array");
     }
-    ISOSURFACE_RETURN_IF_ERROR(this->OpenArray(folder, *node, letters, channels, true));
+    ISOSURFACE_RETURN_IF_ERROR(this->OpenArray(folder, node, letters, channels, true));
     if (ZarrPlace place; TakeTransform(transform, place))
     {
       this->Volume.Grid.Spacing = place.Spacing;

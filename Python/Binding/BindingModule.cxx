@@ -100,9 +100,8 @@ std::string WriteIndex(const std::string& path, const std::string& axes, const s
     {
       FileSystem& files = GetLocalFileSystem();
       const SourceIndex index = SourceIndex::Find(files, path, "", axes, folder);
-      const auto state = FindIndexState(files, index);
-      ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-      if (*state != IndexState::Current)
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto state, FindIndexState(files, index));
+      if (state != IndexState::Current)
       {
         SerialCommunicator alone;
         return WriteSourceIndex(
@@ -139,9 +138,9 @@ std::string ReadAttributes(const std::string& path, const std::string& axes)
       VolumeChoice choice;
       choice.Axes = axes;
       choice.WantsAttributes = true;
-      auto opened = OpenForeignVolume(GetLocalFileSystem(), path, choice);
-      ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-      return std::move(opened->Attributes);
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        auto opened, OpenForeignVolume(GetLocalFileSystem(), path, choice));
+      return std::move(opened.Attributes);
     });
 }
 

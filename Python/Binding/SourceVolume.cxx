@@ -101,22 +101,21 @@ Result<std::shared_ptr<SourceVolume>> SourceVolume::Open(
   volume->Path = path;
   volume->Axes = std::move(axes);
   volume->Threads = threads;
-  auto opened = volume->OpenStep(0);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-  volume->Grid = opened->Grid;
-  volume->Lines = std::move(opened->Lines);
-  volume->Arrays = std::move(opened->Arrays);
-  volume->LeftOut = std::move(opened->LeftOut);
-  volume->Times.assign(opened->Times.begin(), opened->Times.end());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto opened, volume->OpenStep(0));
+  volume->Grid = opened.Grid;
+  volume->Lines = std::move(opened.Lines);
+  volume->Arrays = std::move(opened.Arrays);
+  volume->LeftOut = std::move(opened.LeftOut);
+  volume->Times.assign(opened.Times.begin(), opened.Times.end());
   volume->Times.resize(std::max<std::size_t>(1, volume->Times.size()));
   const Index3 dimensions = volume->Grid.GetDimensions();
   const Index3 chunk =
-    opened->Source->GetChunk().value_or(Index3{ dimensions[0], dimensions[1], 1 });
+    opened.Source->GetChunk().value_or(Index3{ dimensions[0], dimensions[1], 1 });
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
     volume->Chunk[axis] = std::max<std::int64_t>(1, std::min(chunk[axis], dimensions[axis]));
   }
-  volume->Source = std::move(opened->Source);
+  volume->Source = std::move(opened.Source);
   return volume;
 }
 
@@ -130,12 +129,12 @@ Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep)
   VolumeChoice choice;
   choice.Step = timeStep;
   choice.Axes = this->Axes;
-  auto opened = OpenForeignVolume(GetLocalFileSystem(), this->Path, choice);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto opened, OpenForeignVolume(GetLocalFileSystem(), this->Path, choice));
   const bool isFirst = this->Arrays.empty();
   if (!isFirst &&
-    (opened->Grid.GetDimensions() != this->Grid.GetDimensions() ||
-      !HaveSameTypes(opened->Arrays, this->Arrays)))
+    (opened.Grid.GetDimensions() != this->Grid.GetDimensions() ||
+      !HaveSameTypes(opened.Arrays, this->Arrays)))
   {
     return Status(StatusCode::Unsupported,
       this->Path + ": time step " + std::to_string(timeStep) +
@@ -146,9 +145,8 @@ Result<OpenedVolume> SourceVolume::OpenStep(std::size_t timeStep)
     const auto known = this->Known.try_emplace(timeStep);
     if (known.second)
     {
-      auto found = SourceFiles::Find(GetLocalFileSystem(), opened->Files);
-      ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-      known.first->second = std::move(*found);
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        known.first->second, SourceFiles::Find(GetLocalFileSystem(), opened.Files));
       return opened;
     }
   }
@@ -170,9 +168,9 @@ Status SourceVolume::CheckUnchanged(std::size_t timeStep)
   {
     return Status::Ok();
   }
-  const auto state = FindStateOfAll(GetLocalFileSystem(), known->second.Paths);
-  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-  return *state == known->second.State
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto state, FindStateOfAll(GetLocalFileSystem(), known->second.Paths));
+  return state == known->second.State
     ? Status::Ok()
     : Status(StatusCode::Corrupt, this->Path + ": was changed since it was opened; open it again");
 }
@@ -181,9 +179,8 @@ Result<BoxSource*> SourceVolume::FindSource(std::size_t timeStep)
 {
   if (timeStep != this->SourceStep || !this->Source)
   {
-    auto opened = this->OpenStep(timeStep);
-    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-    this->Source = std::move(opened->Source);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto opened, this->OpenStep(timeStep));
+    this->Source = std::move(opened.Source);
     this->SourceStep = timeStep;
   }
   return this->Source.get();
@@ -193,8 +190,7 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
 {
   const std::lock_guard<std::mutex> lock(this->ReadMutex);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(request.TimeStep));
-  const auto source = this->FindSource(request.TimeStep);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto source, this->FindSource(request.TimeStep));
   const std::size_t first = ArrayVariables(this->Arrays).GetFirst(request.Array);
   const ValueType type = this->Arrays[request.Array].Type;
   const auto stride = static_cast<std::ptrdiff_t>(request.Components.size());
@@ -207,12 +203,11 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
   VertexBox slab = request.Box;
   while (slab.Low[2] < request.Box.High[2])
   {
-    slab.High[2] = FindEndOfSlab(**source, request, slab.Low[2], this->Chunk[2]);
-    const auto read = (*source)->Read(slab);
-    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
+    slab.High[2] = FindEndOfSlab(*source, request, slab.Low[2], this->Chunk[2]);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto read, source->Read(slab));
     for (std::size_t number = 0; number < request.Components.size(); ++number)
     {
-      SampleView view = read->Arrays[first + static_cast<std::size_t>(request.Components[number])];
+      SampleView view = read.Arrays[first + static_cast<std::size_t>(request.Components[number])];
       view.Box = slab;
       const SampleView chosen = TakeEvery(view, request.Box.Low, request.Step);
       CopyBox(chosen, chosen.Box, whole, request.FindPlace(samples, number, type), stride);
@@ -231,17 +226,16 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
 Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(
   std::size_t timeStep, int threads, std::uint64_t memoryBytes)
 {
-  auto opened = this->OpenStep(timeStep);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto opened, this->OpenStep(timeStep));
   SourceRecord wanted;
   wanted.Axes = this->Axes;
   wanted.Step = timeStep;
-  std::transform(opened->Arrays.begin(), opened->Arrays.end(), std::back_inserter(wanted.Arrays),
+  std::transform(opened.Arrays.begin(), opened.Arrays.end(), std::back_inserter(wanted.Arrays),
     [](const ArrayDescription& array) { return array.Name; });
-  ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(opened->Source, GetLocalFileSystem(),
-    OpenForeignVolume, this->Path, this->Path, wanted, opened->Grid, opened->Arrays,
+  ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(opened.Source, GetLocalFileSystem(),
+    OpenForeignVolume, this->Path, this->Path, wanted, opened.Grid, opened.Arrays,
     { memoryBytes / 4, SerialCommunicator().ChooseThreads(threads), {} }));
-  return std::move(opened->Source);
+  return std::move(opened.Source);
 }
 
 Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
@@ -259,9 +253,8 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
     const bool isUsed = other->second.use_count() > 1; // it becomes so only under the lock
     other = isUsed ? std::next(other) : this->Blocks.erase(other);
   }
-  auto made = this->MakeBlocks(timeStep, progress);
-  ISOSURFACE_RETURN_IF_ERROR(made.GetStatus());
-  this->Blocks[timeStep] = *made;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto made, this->MakeBlocks(timeStep, progress));
+  this->Blocks[timeStep] = made;
   return made;
 }
 
@@ -287,15 +280,13 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   settings.Lines = this->Lines;
   settings.Time = this->Times[timeStep];
   settings.Threads = this->Threads;
-  const auto source = this->OpenSource(timeStep, this->Threads, settings.MemoryLimit);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto source, this->OpenSource(timeStep, this->Threads, settings.MemoryLimit));
   settings.Files = this->GetSourceFiles(timeStep);
-  const auto written = BlockedVolumeWriter(alone, memory->Files)
-                         .Write(path, this->Grid, this->Arrays, **source, settings, progress);
-  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-  auto volume = BlockedVolume::Open(path, memory->Files);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  memory->Volume = std::move(*volume);
+  ISOSURFACE_RETURN_IF_ERROR(BlockedVolumeWriter(alone, memory->Files)
+                               .Write(path, this->Grid, this->Arrays, *source, settings, progress)
+                               .GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(memory->Volume, BlockedVolume::Open(path, memory->Files));
   return std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());
 }
 

@@ -39,14 +39,14 @@ SampleRequest Coarsen(SampleRequest request, int levels)
 
 Result<std::shared_ptr<StoredVolume>> StoredVolume::Open(const std::string& path)
 {
-  auto volume = BlockedVolume::Open(
-    path, GetLocalFileSystem(), BlockCache::GetProcessCache(), OpenForeignVolume);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  if ((*volume)->GetHeader().TimeSteps.empty())
+  ISOSURFACE_ASSIGN_OR_RETURN(auto volume,
+    BlockedVolume::Open(
+      path, GetLocalFileSystem(), BlockCache::GetProcessCache(), OpenForeignVolume));
+  if (volume->GetHeader().TimeSteps.empty())
   {
     return Status(StatusCode::Corrupt, path + ": the volume has no time step");
   }
-  return std::shared_ptr<StoredVolume>(new StoredVolume(std::move(*volume)));
+  return std::shared_ptr<StoredVolume>(new StoredVolume(std::move(volume)));
 }
 
 StoredVolume::StoredVolume(std::shared_ptr<BlockedVolume> volume)
@@ -84,9 +84,7 @@ Result<std::shared_ptr<const LevelSamples>> StoredVolume::FindSamples(
   std::shared_ptr<const LevelSamples>& kept = this->Samples[{ timeStep, level }];
   if (!kept)
   {
-    auto opened = LevelSamples::Open(this->Volume, timeStep, level);
-    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-    kept = std::move(*opened);
+    ISOSURFACE_ASSIGN_OR_RETURN(kept, LevelSamples::Open(this->Volume, timeStep, level));
   }
   return kept;
 }
@@ -95,8 +93,7 @@ Status StoredVolume::Read(const SampleRequest& given, void* samples, const Progr
 {
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->CheckSource(given.TimeStep));
   const SampleRequest request = Coarsen(given, this->GetNumberOfLevels());
-  const auto level = this->FindSamples(request.TimeStep, request.Level);
-  ISOSURFACE_RETURN_IF_ERROR(level.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto level, this->FindSamples(request.TimeStep, request.Level));
   const std::size_t first = this->Volume->GetVariables().GetFirst(request.Array);
   const ValueType type = this->GetArrays()[request.Array].Type;
   const auto stride = static_cast<std::ptrdiff_t>(request.Components.size());
@@ -104,7 +101,7 @@ Status StoredVolume::Read(const SampleRequest& given, void* samples, const Progr
   for (std::size_t number = 0; number < request.Components.size(); ++number)
   {
     const std::size_t variable = first + static_cast<std::size_t>(request.Components[number]);
-    ISOSURFACE_RETURN_IF_ERROR((*level)->Read(variable, request.Box, request.Step, request.Threads,
+    ISOSURFACE_RETURN_IF_ERROR(level->Read(variable, request.Box, request.Step, request.Threads,
       request.FindPlace(samples, number, type), stride, unused, progress));
   }
   return Status::Ok();
@@ -115,9 +112,9 @@ Result<std::unique_ptr<BoxSource>> StoredVolume::OpenSource(
 {
   std::vector<std::size_t> arrays(this->GetArrays().size());
   std::iota(arrays.begin(), arrays.end(), std::size_t{ 0 });
-  auto source = StoredBoxSource::Make(this->Volume, timeStep, arrays, threads);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  return std::unique_ptr<BoxSource>(std::move(*source));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto source, StoredBoxSource::Make(this->Volume, timeStep, arrays, threads));
+  return std::unique_ptr<BoxSource>(std::move(source));
 }
 
 Result<std::shared_ptr<BlockedVolume>> StoredVolume::GetBlocks(

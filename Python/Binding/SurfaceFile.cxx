@@ -20,9 +20,8 @@ bool SurfaceFile::CanRead(const std::string& path)
 
 Result<std::shared_ptr<SurfaceFile>> SurfaceFile::Open(const std::string& path)
 {
-  auto file = EdgeIndexFile::Open(GetLocalFileSystem(), path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  return std::shared_ptr<SurfaceFile>(new SurfaceFile(std::move(*file)));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, EdgeIndexFile::Open(GetLocalFileSystem(), path));
+  return std::shared_ptr<SurfaceFile>(new SurfaceFile(std::move(file)));
 }
 
 std::vector<std::string> SurfaceFile::GetAttributes() const

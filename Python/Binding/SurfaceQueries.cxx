@@ -25,9 +25,8 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   const SurfaceRequest& request, const Progress& progress)
 {
   SearchedBlocks searched;
-  auto blocks = file.GetBlocks(samples.TimeStep, progress, searched.Query.TimeStep);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  searched.Volume = std::move(*blocks);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    searched.Volume, file.GetBlocks(samples.TimeStep, progress, searched.Query.TimeStep));
   const auto variable = searched.Volume->GetVariables().Find(samples.Array, samples.Component);
   if (!variable)
   {
@@ -69,11 +68,10 @@ Status RunAlone(BlockedVolume& volume, std::string& warning, const Step& step)
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning)
 {
-  auto searched = MakeQuery(file, samples, request, progress);
-  ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto searched, MakeQuery(file, samples, request, progress));
   ExtractionTask task;
-  task.Volume = searched->Volume;
-  task.Query = searched->Query;
+  task.Volume = searched.Volume;
+  task.Query = searched.Query;
   task.Request.Isovalues = request.Isovalues;
   task.Request.Normals = request.Normals;
   task.Request.NormalsRoundedOnce = true;
@@ -102,18 +100,17 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
 Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning)
 {
-  const auto searched = MakeQuery(file, samples, request, progress);
-  ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
-  BlockedVolume& volume = *searched->Volume;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto searched, MakeQuery(file, samples, request, progress));
+  BlockedVolume& volume = *searched.Volume;
   const StoredLevel stored = volume.FindLevel(samples.Level);
   std::vector<VertexBox> boxes;
   const auto find = [&]() -> Status
   {
     QueryStatistics unused;
-    const auto plan = PlanQuery(volume, searched->Query, samples.Level, unused);
-    ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto plan, PlanQuery(volume, searched.Query, samples.Level, unused));
     boxes.clear();
-    for (const BlockReference& block : plan->Blocks)
+    for (const BlockReference& block : plan.Blocks)
     {
       boxes.push_back(stored.Grid->GetVertices(block.Block, stored.Level));
     }
@@ -126,10 +123,9 @@ Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const Contoure
 Result<std::shared_ptr<const WorkloadSpectrum>> ReadSpectrum(
   VolumeFile& file, const ContouredSamples& samples, const Progress& progress)
 {
-  const auto searched = MakeQuery(file, samples, {}, progress);
-  ISOSURFACE_RETURN_IF_ERROR(searched.GetStatus());
-  return searched->Volume->GetSpectrum(
-    searched->Query.TimeStep, searched->Query.Variable, samples.Level);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto searched, MakeQuery(file, samples, {}, progress));
+  return searched.Volume->GetSpectrum(
+    searched.Query.TimeStep, searched.Query.Variable, samples.Level);
 }
 
 } // namespace isosurface

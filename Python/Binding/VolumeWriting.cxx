@@ -22,9 +22,8 @@ void VolumeWriting::WriteStep(BlockedVolumeWriter& writer, BlockedVolumeSettings
     status = Attempt(this->Path,
       [&]() -> Status
       {
-        const auto source = open(settings);
-        ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-        return writer.Write(this->Path, this->Grid, arrays, **source, settings, watch.GetProgress())
+        ISOSURFACE_ASSIGN_OR_RETURN(const auto source, open(settings));
+        return writer.Write(this->Path, this->Grid, arrays, *source, settings, watch.GetProgress())
           .GetStatus();
       });
   }

@@ -70,18 +70,16 @@ Status IndexInPlace(const std::string& source, const std::string& path)
 {
   FileSystem& files = GetLocalFileSystem();
   ControllerCommunicator ranks(GetRanks());
-  auto volume = OpenForeignVolume(files, source);
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto volume, OpenForeignVolume(files, source));
   BlockedVolumeSettings settings;
   settings.BlockSize = 16;
   settings.NumberOfStores = 3;
-  auto record =
-    DescribeSource(files, OpenForeignVolume, path, source, {}, volume->Grid, volume->Arrays);
-  ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-  record->AbsolutePath = "/nowhere";
-  settings.InPlace = *record;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto record,
+    DescribeSource(files, OpenForeignVolume, path, source, {}, volume.Grid, volume.Arrays));
+  record.AbsolutePath = "/nowhere";
+  settings.InPlace = record;
   return BlockedVolumeWriter(ranks)
-    .Write(path, volume->Grid, volume->Arrays, *volume->Source, settings)
+    .Write(path, volume.Grid, volume.Arrays, *volume.Source, settings)
     .GetStatus();
 }
 

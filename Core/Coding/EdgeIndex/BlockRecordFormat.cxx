@@ -167,12 +167,11 @@ Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
     return MakeCorruptRecord("does not match its checksum");
   }
   ByteReader reader(first, content);
-  const Result<EdgeIndexBlock> block = EdgeIndexBlock::Parse(header, reader);
-  ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexBlock block, EdgeIndexBlock::Parse(header, reader));
   EdgeIndexRecord record;
-  record.Block = *block;
+  record.Block = block;
   const std::int64_t scale =
-    block->Coding == CodedGeometry::Crossings ? 0 : reader.ReadSignedVarint();
+    block.Coding == CodedGeometry::Crossings ? 0 : reader.ReadSignedVarint();
   if (reader.HasFailed() || scale < -ScaleLimit || scale > ScaleLimit)
   {
     return MakeCorruptRecord("has an impossible scale");

@@ -95,9 +95,7 @@ Result<std::vector<EdgeIndexEntry>> EdgeIndexDirectory::Parse(const EdgeIndexHea
     EdgeIndexEntry entry;
     entry.Offset = next;
     entry.Size = reader.ReadVarint();
-    const Result<EdgeIndexBlock> block = EdgeIndexBlock::Parse(header, reader);
-    ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
-    entry.Block = *block;
+    ISOSURFACE_ASSIGN_OR_RETURN(entry.Block, EdgeIndexBlock::Parse(header, reader));
     if (entry.Size == 0 || entry.Size > offset - next)
     {
       return MakeCorruptDirectory("names records that are not there");

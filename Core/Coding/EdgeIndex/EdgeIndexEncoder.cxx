@@ -314,12 +314,11 @@ private:
     {
       encoder = std::make_unique<EdgeIndexEncoder>(this->Header);
     }
-    const Result<BlockSamples> samples = this->Source.Acquire(block);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const BlockSamples samples, this->Source.Acquire(block));
     for (std::size_t isovalue = 0; isovalue < this->Header.Isovalues.size(); ++isovalue)
     {
       ISOSURFACE_RETURN_IF_ERROR(
-        encoder->EncodeBlock(this->Source.GetLatticeCoordinates(block), *samples, isovalue, bytes));
+        encoder->EncodeBlock(this->Source.GetLatticeCoordinates(block), samples, isovalue, bytes));
     }
     return Status::Ok();
   }

@@ -45,9 +45,9 @@ public:
   Result<BlockSamples> Acquire(std::size_t block) override
   {
     std::vector<std::uint8_t> bytes;
-    const Result<EdgeIndexRecord> record = this->File.ReadRecord(this->Blocks[block], bytes);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-    return this->Decoder.Decode(*record);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const EdgeIndexRecord record, this->File.ReadRecord(this->Blocks[block], bytes));
+    return this->Decoder.Decode(record);
   }
 
 private:
@@ -129,15 +129,14 @@ Status EdgeIndexFile::NameFile(const Status& status) const
 Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
   FileSystem& files, const std::string& path)
 {
-  Result<std::unique_ptr<RandomAccessFile>> opened = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(std::unique_ptr<RandomAccessFile> opened, files.OpenForReading(path));
   const auto nameFile = [&path](const Status& status)
   { return Status(status.GetCode(), path + ": " + status.GetMessage()); };
   try
   {
     std::vector<std::uint8_t> bytes(EdgeIndexHeader::MinimumSize);
-    const std::uint64_t there = std::min<std::uint64_t>(bytes.size(), (*opened)->GetSize());
-    ISOSURFACE_RETURN_IF_ERROR((*opened)->Read(0, static_cast<std::size_t>(there), bytes.data()));
+    const std::uint64_t there = std::min<std::uint64_t>(bytes.size(), opened->GetSize());
+    ISOSURFACE_RETURN_IF_ERROR(opened->Read(0, static_cast<std::size_t>(there), bytes.data()));
     if (there < bytes.size() && EdgeIndexHeader::HasMagic(bytes.data()))
     {
       return Status(StatusCode::Corrupt, path + ": The edge-index header is cut off.");
@@ -147,12 +146,12 @@ Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
     {
       return nameFile(size.GetStatus());
     }
-    if (*size > (*opened)->GetSize())
+    if (*size > opened->GetSize())
     {
       return Status(StatusCode::Corrupt, path + ": The edge-index header is cut off.");
     }
     bytes.resize(*size);
-    ISOSURFACE_RETURN_IF_ERROR((*opened)->Read(0, bytes.size(), bytes.data()));
+    ISOSURFACE_RETURN_IF_ERROR(opened->Read(0, bytes.size(), bytes.data()));
     std::size_t used = 0;
     Result<EdgeIndexHeader> header = EdgeIndexHeader::Parse(bytes.data(), bytes.size(), used);
     if (!header.IsOk())
@@ -160,7 +159,7 @@ Result<std::unique_ptr<EdgeIndexFile>> EdgeIndexFile::Open(
       return nameFile(header.GetStatus());
     }
     std::unique_ptr<EdgeIndexFile> file(
-      new EdgeIndexFile(std::move(*opened), std::move(*header), std::move(bytes)));
+      new EdgeIndexFile(std::move(opened), std::move(*header), std::move(bytes)));
     ISOSURFACE_RETURN_IF_ERROR(file->ReadDirectory());
     return file;
   }
@@ -319,11 +318,10 @@ Result<EdgeIndexRecord> EdgeIndexFile::ReadRecord(
 Result<Surface> EdgeIndexFile::ReadWithinMemory(const EdgeIndexSelection& selection,
   const ContourRequest& request, int threads, const Progress& progress) const
 {
-  const Result<std::vector<std::size_t>> selected = this->Select(selection);
-  ISOSURFACE_RETURN_IF_ERROR(selected.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const std::vector<std::size_t> selected, this->Select(selection));
   const EdgeIndexHeader& header = selection.Preview ? this->Preview : this->Header;
   std::vector<std::vector<std::size_t>> blocks(header.Isovalues.size());
-  for (const std::size_t entry : *selected)
+  for (const std::size_t entry : selected)
   {
     blocks[this->Entries[entry].Block.Isovalue].push_back(entry);
   }
@@ -366,19 +364,17 @@ Status EdgeIndexFile::Verify(int threads, const Progress& progress) const
   const auto verify = [&](std::size_t entry) -> Status
   {
     std::vector<std::uint8_t> bytes;
-    const Result<EdgeIndexRecord> record = this->ReadRecord(entry, bytes);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-    return this->NameFile((record->Block.IsPreview ? coarse : fine).Decode(*record).GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexRecord record, this->ReadRecord(entry, bytes));
+    return this->NameFile((record.Block.IsPreview ? coarse : fine).Decode(record).GetStatus());
   };
   const auto verifyNext = [&](std::size_t entry, int)
   { failure.Run([&] { return verify(entry); }); };
-  const auto finished =
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto finished,
     RunWithinMemory(this->GetPath(), ": there is not enough memory to verify it.",
       [&]() -> Result<bool>
-      { return ParallelFor(this->Entries.size(), threads, verifyNext, progress); });
-  ISOSURFACE_RETURN_IF_ERROR(finished.GetStatus());
+      { return ParallelFor(this->Entries.size(), threads, verifyNext, progress); }));
   ISOSURFACE_RETURN_IF_ERROR(failure.Get());
-  if (!*finished)
+  if (!finished)
   {
     return { StatusCode::Aborted, this->GetPath() + ": the verification was aborted." };
   }

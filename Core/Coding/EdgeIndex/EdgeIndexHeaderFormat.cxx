@@ -304,28 +304,27 @@ Result<EdgeIndexHeader> EdgeIndexHeader::Parse(
   {
     return MakeCorruptHeader("is cut off");
   }
-  const Result<std::size_t> length = ParseSize(bytes);
-  ISOSURFACE_RETURN_IF_ERROR(length.GetStatus());
-  if (size < *length)
+  ISOSURFACE_ASSIGN_OR_RETURN(const std::size_t length, ParseSize(bytes));
+  if (size < length)
   {
     return MakeCorruptHeader("is cut off");
   }
-  if (LoadLittleEndian<std::uint64_t>(bytes + *length - HeaderChecksumSize) !=
-    ComputeChecksum(bytes, *length - HeaderChecksumSize))
+  if (LoadLittleEndian<std::uint64_t>(bytes + length - HeaderChecksumSize) !=
+    ComputeChecksum(bytes, length - HeaderChecksumSize))
   {
     return MakeCorruptHeader("does not match its checksum");
   }
   EdgeIndexHeader header;
   const auto version = LoadLittleEndian<std::uint32_t>(bytes + sizeof(Magic));
   header.RoundsFaces = version > PlainVersion;
-  HeaderParser parser(version, bytes + FieldsOffset, *length - HeaderChecksumSize - FieldsOffset);
+  HeaderParser parser(version, bytes + FieldsOffset, length - HeaderChecksumSize - FieldsOffset);
   ISOSURFACE_RETURN_IF_ERROR(parser.Parse(header));
   const Status valid = header.Check();
   if (!valid.IsOk())
   {
     return Status(StatusCode::Corrupt, "The edge-index header is not valid: " + valid.GetMessage());
   }
-  used = *length;
+  used = length;
   return header;
 }
 

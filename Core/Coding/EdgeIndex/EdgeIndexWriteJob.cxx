@@ -78,9 +78,7 @@ Result<EdgeIndexFileSummary> EdgeIndexWriteJob::Run(const Progress& progress)
 // Rank 0 creates the file, then the others open it.
 Status EdgeIndexWriteJob::Begin()
 {
-  std::vector<std::uint64_t> blocks = { this->Numbers.size() };
-  this->Ranks.ReduceSum(blocks);
-  this->Header.NumberOfBlocks = blocks.front();
+  this->Header.NumberOfBlocks = this->Ranks.Sum(this->Numbers.size());
   this->Header.Append(this->HeaderBytes);
   this->Offset = this->HeaderBytes.size();
   const std::string partial = GetPartialEdgeIndexPath(this->Path);
@@ -90,14 +88,10 @@ Status EdgeIndexWriteJob::Begin()
     ISOSURFACE_RETURN_IF_ERROR(this->Header.Check());
     if (isFirst)
     {
-      auto lock = LockEdgeIndexFile(this->Files, this->Path);
-      ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
-      this->Lock = std::move(*lock);
+      ISOSURFACE_ASSIGN_OR_RETURN(this->Lock, LockEdgeIndexFile(this->Files, this->Path));
     }
-    auto file =
-      isFirst ? this->Files.CreateForWriting(partial) : this->Files.OpenForUpdate(partial);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    this->File = std::move(*file);
+    ISOSURFACE_ASSIGN_OR_RETURN(this->File,
+      isFirst ? this->Files.CreateForWriting(partial) : this->Files.OpenForUpdate(partial));
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(isFirst ? open() : Status::Ok()));
@@ -116,10 +110,9 @@ Status EdgeIndexWriteJob::WriteRounds(const Progress& progress)
       ISOSURFACE_RETURN_IF_ERROR(this->WriteHeader());
     }
     const bool isDone = this->NextBlock == this->Numbers.size();
-    std::vector<std::uint64_t> next = { static_cast<std::uint64_t>(
-      isDone ? EndOfNumbers : this->Numbers[this->NextBlock]) };
-    this->Ranks.ReduceMinimum(next);
-    end = static_cast<std::int64_t>(next.front());
+    const std::uint64_t next = this->Ranks.Minimum(
+      static_cast<std::uint64_t>(isDone ? EndOfNumbers : this->Numbers[this->NextBlock]));
+    end = static_cast<std::int64_t>(next);
     ISOSURFACE_RETURN_IF_ERROR(this->WriteRound(end));
   }
   return Status::Ok();
@@ -174,13 +167,12 @@ Status EdgeIndexWriteJob::EncodeBatch(std::size_t size, const Progress& progress
       encoder = std::make_unique<EdgeIndexEncoder>(this->Header);
     }
     const std::size_t block = this->NextBlock + n;
-    const Result<BlockSamples> samples = this->Source.Acquire(block);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const BlockSamples samples, this->Source.Acquire(block));
     blocks[n].Number = this->Numbers[block];
     for (std::size_t isovalue = 0; isovalue < this->Header.Isovalues.size(); ++isovalue)
     {
       ISOSURFACE_RETURN_IF_ERROR(encoder->EncodeBlock(
-        this->Source.GetLatticeCoordinates(block), *samples, isovalue, blocks[n].Bytes));
+        this->Source.GetLatticeCoordinates(block), samples, isovalue, blocks[n].Bytes));
     }
     return Status::Ok();
   };
@@ -249,9 +241,7 @@ Status EdgeIndexWriteJob::ParseBlocks(
     {
       EdgeIndexEntry& entry = block.Records.emplace_back();
       entry.Size = reader.ReadVarint();
-      const auto parsed = EdgeIndexBlock::Parse(this->Header, reader);
-      ISOSURFACE_RETURN_IF_ERROR(parsed.GetStatus());
-      entry.Block = *parsed;
+      ISOSURFACE_ASSIGN_OR_RETURN(entry.Block, EdgeIndexBlock::Parse(this->Header, reader));
     }
     blocks.push_back(std::move(block));
   }
@@ -389,9 +379,7 @@ Status EdgeIndexWriteJob::Finish()
   ISOSURFACE_RETURN_IF_ERROR(AgreeWithinMemory(this->Ranks, this->Path, complete));
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
     isFirst ? PutEdgeIndexFileInPlace(this->Files, this->Path, this->Lock) : Status::Ok()));
-  std::vector<std::uint64_t> bytes = { this->Summary.Bytes };
-  this->Ranks.ReduceMaximum(bytes);
-  this->Summary.Bytes = bytes.front();
+  this->Summary.Bytes = this->Ranks.Maximum(this->Summary.Bytes);
   return Status::Ok();
 }
 

@@ -119,9 +119,8 @@ Status PointAttributes::Interpolate(
   }
   ISOSURFACE_RETURN_IF_ERROR(FindLayouts(header, samples, request.Attributes));
   SingleBlock source(samples);
-  Result<Surface> surface = ExtractSurface(header.Geometry, source, request, 1);
-  ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
-  TurnStoredNormals(header.Geometry, surface->Normals);
+  ISOSURFACE_ASSIGN_OR_RETURN(Surface surface, ExtractSurface(header.Geometry, source, request, 1));
+  TurnStoredNormals(header.Geometry, surface.Normals);
   const Index3 dimensions = header.Geometry.GetDimensions();
   const VertexBox& box = samples.Scalars.Box;
   const Index3 size = box.GetSize();
@@ -131,11 +130,11 @@ Status PointAttributes::Interpolate(
     const bool isNormals = header.Attributes[n].IsNormals;
     const std::size_t width = GetTupleSize(header.Attributes[n]);
     const auto* tuples = isNormals
-      ? reinterpret_cast<const std::uint8_t*>(surface->Normals.GetData())
-      : surface->Attributes[interpolated++].Bytes.GetData();
-    for (std::size_t point = 0; point < surface->NumberOfPoints; ++point)
+      ? reinterpret_cast<const std::uint8_t*>(surface.Normals.GetData())
+      : surface.Attributes[interpolated++].Bytes.GetData();
+    for (std::size_t point = 0; point < surface.NumberOfPoints; ++point)
     {
-      const std::int64_t id = surface->GlobalIds[point];
+      const std::int64_t id = surface.GlobalIds[point];
       const std::int64_t vertex = id / 3;
       const std::int64_t i = vertex % dimensions[0] - box.Low[0];
       const std::int64_t j = vertex / dimensions[0] % dimensions[1] - box.Low[1];

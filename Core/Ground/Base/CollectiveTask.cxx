@@ -31,12 +31,9 @@ CollectiveTask::~CollectiveTask()
 Status CollectiveTask::Finish(Communicator& ranks, const Progress& progress)
 {
   constexpr double pollSeconds = 0.02;
-  std::vector<std::uint64_t> stops = { 0 };
   while (!this->Advance(ranks, pollSeconds))
   {
-    stops[0] = progress && !progress(this->GetProgress()) ? 1 : 0;
-    ranks.ReduceMaximum(stops);
-    if (stops[0] != 0)
+    if (ranks.Any(progress && !progress(this->GetProgress())))
     {
       return { StatusCode::Aborted, "The work was stopped." };
     }

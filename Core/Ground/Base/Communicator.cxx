@@ -70,6 +70,27 @@ Status ChooseError(const Status& mine, const std::vector<Message>& messages)
 
 } // namespace
 
+std::uint64_t Communicator::Minimum(std::uint64_t mine)
+{
+  std::vector<std::uint64_t> values = { mine };
+  this->ReduceMinimum(values);
+  return values.front();
+}
+
+std::uint64_t Communicator::Maximum(std::uint64_t mine)
+{
+  std::vector<std::uint64_t> values = { mine };
+  this->ReduceMaximum(values);
+  return values.front();
+}
+
+std::uint64_t Communicator::Sum(std::uint64_t mine)
+{
+  std::vector<std::uint64_t> values = { mine };
+  this->ReduceSum(values);
+  return values.front();
+}
+
 Status Communicator::Agree(const Status& mine)
 {
   if (this->GetSize() == 1)
@@ -77,9 +98,7 @@ Status Communicator::Agree(const Status& mine)
     return mine;
   }
   // Without an error a single cheap reduction suffices; messages travel only if a rank has failed.
-  std::vector<std::uint64_t> failed{ mine.IsOk() ? 0u : 1u };
-  this->ReduceMaximum(failed);
-  if (failed[0] == 0)
+  if (this->All(mine.IsOk()))
   {
     return mine;
   }

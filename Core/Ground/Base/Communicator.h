@@ -74,6 +74,12 @@ public:
   virtual void ReduceMinimum(std::vector<std::uint64_t>& values) = 0;
   virtual void ReduceMaximum(std::vector<std::uint64_t>& values) = 0;
   virtual void ReduceSum(std::vector<std::uint64_t>& values) = 0;
+  /// The same for one value of each rank.
+  std::uint64_t Minimum(std::uint64_t mine);
+  std::uint64_t Maximum(std::uint64_t mine);
+  std::uint64_t Sum(std::uint64_t mine);
+  bool All(bool mine) { return this->Minimum(mine ? 1 : 0) != 0; }
+  bool Any(bool mine) { return this->Maximum(mine ? 1 : 0) != 0; }
 
   /// Gives every rank the messages of all ranks, in the order of the ranks.
   virtual std::vector<Message> AllGather(const Message& mine) = 0;

@@ -138,10 +138,9 @@ Result<std::unique_ptr<PooledFile>> PooledFile::Open(
     return MakeKindError(path, action, "it is a link to a file that does not exist");
   }
   std::unique_ptr<PooledFile> file(new PooledFile(pool, path, flags & ~(O_CREAT | O_TRUNC)));
-  auto descriptor = file->OpenPath(flags, action);
-  ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto descriptor, file->OpenPath(flags, action));
   struct stat information = {};
-  if (::fstat((*descriptor)->Get(), &information) != 0)
+  if (::fstat(descriptor->Get(), &information) != 0)
   {
     return MakeSystemError(path, action, errno);
   }
@@ -153,7 +152,7 @@ Result<std::unique_ptr<PooledFile>> PooledFile::Open(
   file->Device = static_cast<std::uint64_t>(information.st_dev);
   file->Inode = static_cast<std::uint64_t>(information.st_ino);
   const std::lock_guard<std::mutex> lock(pool.Mutex);
-  file->Current = std::move(*descriptor);
+  file->Current = std::move(descriptor);
   pool.Add(*file);
   return file;
 }
@@ -209,10 +208,9 @@ Result<std::shared_ptr<Descriptor>> PooledFile::Use()
       return this->Current;
     }
   }
-  auto descriptor = this->OpenPath(this->Flags, "open again");
-  ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto descriptor, this->OpenPath(this->Flags, "open again"));
   struct stat information = {};
-  if (::fstat((*descriptor)->Get(), &information) != 0)
+  if (::fstat(descriptor->Get(), &information) != 0)
   {
     return MakeSystemError(this->Path, "open again", errno);
   }
@@ -224,7 +222,7 @@ Result<std::shared_ptr<Descriptor>> PooledFile::Use()
   const std::lock_guard<std::mutex> lock(this->Pool.Mutex);
   if (!this->Current)
   {
-    this->Current = std::move(*descriptor);
+    this->Current = std::move(descriptor);
     this->Pool.Add(*this);
   }
   return this->Current;

@@ -107,13 +107,12 @@ public:
   /// Cuts off what is beyond so many bytes; then Append() goes on there.
   Status CutTo(std::uint64_t size)
   {
-    const auto descriptor = this->File->Use();
-    ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto descriptor, this->File->Use());
     if (size > this->File->GetSize())
     {
       return Status(StatusCode::Corrupt, this->Path + ": truncated");
     }
-    if (::ftruncate((*descriptor)->Get(), static_cast<off_t>(size)) != 0)
+    if (::ftruncate(descriptor->Get(), static_cast<off_t>(size)) != 0)
     {
       return MakeSystemError(this->Path, "write", errno);
     }
@@ -130,12 +129,11 @@ public:
 
   Status WriteAt(std::uint64_t offset, const void* bytes, std::size_t size) override
   {
-    const auto descriptor = this->File->Use();
-    ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto descriptor, this->File->Use());
     const auto* from = static_cast<const std::uint8_t*>(bytes);
     while (size > 0)
     {
-      const ssize_t count = ::pwrite((*descriptor)->Get(), from, size, static_cast<off_t>(offset));
+      const ssize_t count = ::pwrite(descriptor->Get(), from, size, static_cast<off_t>(offset));
       if (count < 0)
       {
         if (errno == EINTR)
@@ -149,7 +147,7 @@ public:
       size -= static_cast<std::size_t>(count);
       this->Unsent += static_cast<std::uint64_t>(count);
     }
-    this->StartWriteBack(**descriptor);
+    this->StartWriteBack(*descriptor);
     return Status::Ok();
   }
 
@@ -157,9 +155,8 @@ public:
 
   Status Sync() override
   {
-    const auto descriptor = this->File->Use();
-    ISOSURFACE_RETURN_IF_ERROR(descriptor.GetStatus());
-    return Synchronise((*descriptor)->Get()) != 0
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto descriptor, this->File->Use());
+    return Synchronise(descriptor->Get()) != 0
       ? MakeSystemError(this->Path, "write to stable storage", errno)
       : Status::Ok();
   }
@@ -270,9 +267,9 @@ class LocalFileSystem : public FileSystem
 public:
   Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override
   {
-    auto file = PooledFile::Open(this->Descriptors, path, O_RDONLY, "open");
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    return std::unique_ptr<RandomAccessFile>(new LocalRandomAccessFile(std::move(*file)));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto file, PooledFile::Open(this->Descriptors, path, O_RDONLY, "open"));
+    return std::unique_ptr<RandomAccessFile>(new LocalRandomAccessFile(std::move(file)));
   }
 
   Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override
@@ -289,9 +286,9 @@ public:
   Result<std::unique_ptr<WritableFile>> OpenForAppending(
     const std::string& path, std::uint64_t size) override
   {
-    auto file = PooledFile::Open(this->Descriptors, path, O_RDWR | O_NOFOLLOW, "open");
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    auto writable = std::make_unique<LocalWritableFile>(std::move(*file));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto file, PooledFile::Open(this->Descriptors, path, O_RDWR | O_NOFOLLOW, "open"));
+    auto writable = std::make_unique<LocalWritableFile>(std::move(file));
     ISOSURFACE_RETURN_IF_ERROR(writable->CutTo(size));
     return std::unique_ptr<WritableFile>(std::move(writable));
   }
@@ -424,9 +421,9 @@ private:
   Result<std::unique_ptr<WritableFile>> OpenForWriting(
     const std::string& path, int flags, const char* action)
   {
-    auto file = PooledFile::Open(this->Descriptors, path, flags, action);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    return std::unique_ptr<WritableFile>(new LocalWritableFile(std::move(*file)));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto file, PooledFile::Open(this->Descriptors, path, flags, action));
+    return std::unique_ptr<WritableFile>(new LocalWritableFile(std::move(file)));
   }
 
   /// Null if the path leads to something else by now; then the next attempt may be better.
@@ -484,19 +481,17 @@ Status CopyFile(
   FileSystem& files, const std::string& from, FileSystem& toFiles, const std::string& to)
 {
   constexpr std::uint64_t copiedBytes = std::uint64_t{ 1 } << 20;
-  const auto source = files.OpenForReading(from);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  const auto copy = toFiles.CreateForWriting(to);
-  ISOSURFACE_RETURN_IF_ERROR(copy.GetStatus());
-  const std::uint64_t size = (*source)->GetSize();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto source, files.OpenForReading(from));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto copy, toFiles.CreateForWriting(to));
+  const std::uint64_t size = source->GetSize();
   std::vector<std::uint8_t> bytes;
   for (std::uint64_t begin = 0; begin < size; begin += bytes.size())
   {
     bytes.resize(static_cast<std::size_t>(std::min(copiedBytes, size - begin)));
-    ISOSURFACE_RETURN_IF_ERROR((*source)->Read(begin, bytes.size(), bytes.data()));
-    ISOSURFACE_RETURN_IF_ERROR((*copy)->Append(bytes.data(), bytes.size()));
+    ISOSURFACE_RETURN_IF_ERROR(source->Read(begin, bytes.size(), bytes.data()));
+    ISOSURFACE_RETURN_IF_ERROR(copy->Append(bytes.data(), bytes.size()));
   }
-  return (*copy)->SyncAndClose();
+  return copy->SyncAndClose();
 }
 
 } // namespace isosurface

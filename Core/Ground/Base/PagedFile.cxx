@@ -40,9 +40,8 @@ Result<std::unique_ptr<PagedFileWriter>> PagedFileWriter::Create(FileSystem& fil
     return Status(StatusCode::InvalidArgument,
       path + ": a page of " + std::to_string(pageSize) + " bytes is not 4096, 8192 or 16384 bytes");
   }
-  auto file = fileSystem.CreateForWriting(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  return std::unique_ptr<PagedFileWriter>(new PagedFileWriter(std::move(*file), pageSize, kind));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, fileSystem.CreateForWriting(path));
+  return std::unique_ptr<PagedFileWriter>(new PagedFileWriter(std::move(file), pageSize, kind));
 }
 
 PagedFileWriter::PagedFileWriter(
@@ -200,16 +199,15 @@ Status PagedFileReader::ReadHeader(const PagedFile::Kind& kind)
         std::to_string(pageCount) + " pages of " + std::to_string(pageSize) + " bytes");
   }
   this->PageCount = pageCount;
-  const auto page = this->ReadFromDisk(0);
-  ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
-  if (!std::equal(kind.begin(), kind.end(), (*page)->begin() + KindOffset))
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto page, this->ReadFromDisk(0));
+  if (!std::equal(kind.begin(), kind.end(), page->begin() + KindOffset))
   {
     return this->MakeCorrupt(
       0, "the file is not of the kind " + std::string(kind.begin(), kind.end()));
   }
   std::copy_n(
-    (*page)->begin() + ClientAreaOffset, PagedFile::ClientAreaSize, this->ClientArea.begin());
-  return this->TakeSums(**page);
+    page->begin() + ClientAreaOffset, PagedFile::ClientAreaSize, this->ClientArea.begin());
+  return this->TakeSums(*page);
 }
 
 Status PagedFileReader::TakeSums(const std::vector<std::uint8_t>& first)

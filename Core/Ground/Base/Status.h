@@ -119,4 +119,18 @@ private:
     }                                                     \
   } while (false)
 
+/// Gives `variable` (`auto x`, `const auto x`, or one that exists) the value of the Result behind it,
+/// or returns from the enclosing function with its error. Several statements: in braces behind an if.
+#define ISOSURFACE_ASSIGN_OR_RETURN(variable, ...) \
+  ISOSURFACE_ASSIGN_RESULT_(ISOSURFACE_UNIQUE_NAME_(__LINE__), variable, (__VA_ARGS__))
+#define ISOSURFACE_ASSIGN_RESULT_(result, variable, expression) \
+  auto result = expression;                                     \
+  if (!result.IsOk())                                           \
+  {                                                             \
+    return result.GetStatus();                                  \
+  }                                                             \
+  variable = std::move(*result)
+#define ISOSURFACE_UNIQUE_NAME_(line) ISOSURFACE_JOIN_(isosurfaceResult, line)
+#define ISOSURFACE_JOIN_(first, second) first##second
+
 #endif

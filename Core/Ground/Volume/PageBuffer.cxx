@@ -54,9 +54,7 @@ Result<std::shared_ptr<PageBuffer>> PageBufferPool::Take(std::uint64_t size)
   }
   if (!buffer)
   {
-    auto created = PageBuffer::Create(size);
-    ISOSURFACE_RETURN_IF_ERROR(created.GetStatus());
-    buffer = std::move(*created);
+    ISOSURFACE_ASSIGN_OR_RETURN(buffer, PageBuffer::Create(size));
   }
   PageBuffer* const pages = buffer.get();
   return std::shared_ptr<PageBuffer>(pages,

@@ -120,10 +120,9 @@ private:
   /// The islands of all ranks, with their measures.
   Status Find()
   {
-    std::vector<std::uint64_t> triangles = { this->Extracted.NumberOfTriangles };
-    this->Ranks.ReduceSum(triangles);
-    this->Chosen.Triangles = triangles[0];
-    this->Units = IslandUnits(this->Grids.Bounds, triangles[0]);
+    const std::uint64_t triangles = this->Ranks.Sum(this->Extracted.NumberOfTriangles);
+    this->Chosen.Triangles = triangles;
+    this->Units = IslandUnits(this->Grids.Bounds, triangles);
     std::vector<SharedPoint> shared;
     ISOSURFACE_RETURN_IF_ERROR(this->Try(
       [&]

@@ -23,17 +23,15 @@ Result<ActivePart> FindActivePart(
 {
   ActivePart part;
   part.Part = volume.FindLevel(level).Part;
-  auto plan = PlanQuery(volume, query, level, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
-  part.Blocks = std::move(plan->Blocks);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto plan, PlanQuery(volume, query, level, statistics));
+  part.Blocks = std::move(plan.Blocks);
   if (!query.Selection.IsPlain())
   {
     SurfaceQuery whole = query;
     whole.Selection = {};
-    const auto all = PlanQuery(volume, whole, level, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto all, PlanQuery(volume, whole, level, statistics));
     part.SelectedShare = static_cast<double>(part.Blocks.size()) /
-      static_cast<double>(std::max<std::size_t>(1, all->Blocks.size()));
+      static_cast<double>(std::max<std::size_t>(1, all.Blocks.size()));
   }
   return part;
 }
@@ -73,9 +71,9 @@ Result<double> EstimateTriangles(BlockedVolume& volume, const SurfaceQuery& quer
   double triangles = 0;
   for (const double isovalue : query.Isovalues)
   {
-    auto estimate = volume.EstimateTriangles(query.TimeStep, query.Variable, isovalue, level);
-    ISOSURFACE_RETURN_IF_ERROR(estimate.GetStatus());
-    triangles += *estimate;
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto estimate, volume.EstimateTriangles(query.TimeStep, query.Variable, isovalue, level));
+    triangles += estimate;
   }
   return triangles;
 }

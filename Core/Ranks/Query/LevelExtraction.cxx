@@ -35,12 +35,11 @@ Status ExtractPlanned(
   BlockedVolume& volume = *task.Volume;
   const SurfaceQuery& query = task.Query;
   QueryStatistics& reading = outcome.Cost.Reading;
-  auto plan =
-    PlanQuery(volume, query, level, reading, counters ? PlannedShares::All : PlannedShares::Own);
-  ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
-  StoredBlockSource source(volume, query.TimeStep, query.Variable, level, std::move(plan->Blocks));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto plan,
+    PlanQuery(volume, query, level, reading, counters ? PlannedShares::All : PlannedShares::Own));
+  StoredBlockSource source(volume, query.TimeStep, query.Variable, level, std::move(plan.Blocks));
   source.SetAttributes(query.Attributes);
-  source.SetOwnBlocks(plan->GetOwnBegin(), plan->GetOwnEnd());
+  source.SetOwnBlocks(plan.GetOwnBegin(), plan.GetOwnEnd());
   ContourRequest request = task.Request;
   request.Lines = volume.GetLines(level);
   const GridGeometry geometry = volume.GetHeader().Grid.Coarsen(level);
@@ -50,7 +49,7 @@ Status ExtractPlanned(
     {
       return ExtractSurface(geometry, source, request, task.Threads, task.Advance);
     }
-    BlockClaims claims(*counters, query.Rank, std::move(plan->Firsts), task.Threads,
+    BlockClaims claims(*counters, query.Rank, std::move(plan.Firsts), task.Threads,
       [&source](std::size_t begin, std::size_t end) { source.ReadOthersAhead(begin, end); });
     return ExtractQueuedSurface(geometry, source, request, claims, task.Threads, task.Advance);
   };
@@ -116,18 +115,18 @@ Status ExtractFinished(const ExtractionTask& task, int level, ExtractionOutcome&
   const BlockedVolumeHeader& finished = task.Finished->GetHeader();
   const GridGeometry geometry = volume.GetHeader().Grid.Coarsen(level);
   const Seam seam = FindSeam(finished, task.FinishedSlices, geometry, volume.GetLines(level));
-  auto blocks = task.Finished->FindBlocks(task.Query, task.Query.Attributes, seam.Finished,
-    static_cast<std::size_t>(task.Query.Rank), static_cast<std::size_t>(task.Query.Ranks));
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  SlicedBlocks exactBlocks(**blocks, 0, seam.Finished);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto blocks,
+    task.Finished->FindBlocks(task.Query, task.Query.Attributes, seam.Finished,
+      static_cast<std::size_t>(task.Query.Rank), static_cast<std::size_t>(task.Query.Ranks)));
+  SlicedBlocks exactBlocks(*blocks, 0, seam.Finished);
   ContourRequest request = task.Request;
   request.Lines = finished.Lines ? &*finished.Lines : nullptr;
-  auto exact = ExtractSurface(finished.Grid, exactBlocks, request, task.Threads, task.Advance);
-  ISOSURFACE_RETURN_IF_ERROR(exact.GetStatus());
-  auto plan = PlanQuery(volume, task.Query, level, outcome.Cost.Reading);
-  ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto exact, ExtractSurface(finished.Grid, exactBlocks, request, task.Threads, task.Advance));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto plan, PlanQuery(volume, task.Query, level, outcome.Cost.Reading));
   StoredBlockSource source(
-    volume, task.Query.TimeStep, task.Query.Variable, level, std::move(plan->Blocks));
+    volume, task.Query.TimeStep, task.Query.Variable, level, std::move(plan.Blocks));
   source.SetAttributes(task.Query.Attributes);
   SlicedBlocks sampleBlocks(source, seam.Sample, geometry.GetDimensions()[2] - 1);
   request.Lines = volume.GetLines(level);
@@ -137,7 +136,7 @@ Status ExtractFinished(const ExtractionTask& task, int level, ExtractionOutcome&
   ISOSURFACE_RETURN_IF_ERROR(sample.GetStatus());
   ShiftGlobalIds(CountGlobalIds(finished.Grid, task.Request), *sample);
   std::vector<Surface> surfaces;
-  surfaces.push_back(std::move(*exact));
+  surfaces.push_back(std::move(exact));
   surfaces.push_back(std::move(*sample));
   outcome.Extracted = JoinSurfaces(surfaces);
   outcome.Cost.Reading.ActiveBlocks = outcome.Extracted.NumberOfBlocks;

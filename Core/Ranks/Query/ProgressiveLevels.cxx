@@ -12,18 +12,17 @@ Result<int> FindFirstLevel(BlockedVolume& volume, const SurfaceQuery& query, int
   int chosen = finest;
   for (int level = finest; level < volume.GetNumberOfLevels(); ++level)
   {
-    const auto triangles = EstimateTriangles(volume, query, level);
-    ISOSURFACE_RETURN_IF_ERROR(triangles.GetStatus());
-    if (*triangles <= 0)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto triangles, EstimateTriangles(volume, query, level));
+    if (triangles <= 0)
     {
       break;
     }
     chosen = level;
     if (level == finest)
     {
-      most = std::min(FirstSurfaceTriangles, FirstSurfaceShare * *triangles);
+      most = std::min(FirstSurfaceTriangles, FirstSurfaceShare * triangles);
     }
-    else if (*triangles <= most)
+    else if (triangles <= most)
     {
       break;
     }
@@ -33,9 +32,8 @@ Result<int> FindFirstLevel(BlockedVolume& volume, const SurfaceQuery& query, int
 
 Result<bool> IsDirectSurface(BlockedVolume& volume, const SurfaceQuery& query, int finest)
 {
-  const auto triangles = EstimateTriangles(volume, query, finest);
-  ISOSURFACE_RETURN_IF_ERROR(triangles.GetStatus());
-  return *triangles <=
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto triangles, EstimateTriangles(volume, query, finest));
+  return triangles <=
     (volume.GetHeader().IsInPlace() ? DirectSurfaceTrianglesInPlace : DirectSurfaceTriangles);
 }
 

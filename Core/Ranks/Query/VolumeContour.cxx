@@ -51,9 +51,7 @@ bool VolumeContour::IsPrepared(const ExtractionTask& task, int level) const
     return isMine;
   }
   // Prepared surfaces are of the ranks' own shares, so either all are taken or none.
-  std::vector<std::uint64_t> all = { isMine ? 1U : 0U };
-  task.Sharing->ReduceMinimum(all);
-  return all.front() != 0;
+  return task.Sharing->All(isMine);
 }
 
 void VolumeContour::Prepare(ExtractionTask task, int level)
@@ -78,17 +76,16 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
 {
   QueryStatistics& reading = outcome.Cost.Reading;
   // A rank that has had no active blocks knows nothing yet, so that all have to agree.
-  std::vector<std::uint64_t> isUnknown = { this->Rate.IsKnown() ? 0U : 1U };
-  ranks.ReduceMaximum(isUnknown);
-  if (budget.Seconds > 0 && isUnknown.front() != 0 && !this->HasProbed)
+  const bool isUnknown = ranks.Any(!this->Rate.IsKnown());
+  if (budget.Seconds > 0 && isUnknown && !this->HasProbed)
   {
     this->HasProbed = true;
     // A coarse level costs little, and shows the speed of this machine.
-    const auto probe = ChooseLevel(
-      *task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading);
-    ISOSURFACE_RETURN_IF_ERROR(probe.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto probe,
+      ChooseLevel(
+        *task.Volume, task.Query, finest, { budget.Seconds / 10, 0 }, this->Rate, ranks, reading));
     ExtractionOutcome unused;
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *probe, unused)));
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, probe, unused)));
     reading.Add(unused.Cost.Reading);
   }
   auto choice = ChooseLevel(*task.Volume, task.Query, finest, budget, this->Rate, ranks, reading);
@@ -98,9 +95,8 @@ Status VolumeContour::ExtractWithinBudget(Communicator& ranks, const ExtractionB
   {
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(this->ExtractAtLevel(task, *choice, outcome)));
     outcome.Cost.Choice = *choice;
-    std::vector<std::uint64_t> triangles = { outcome.Extracted.NumberOfTriangles };
-    ranks.ReduceSum(triangles);
-    if (budget.Triangles == 0 || triangles[0] <= budget.Triangles || choice->Level == coarsest)
+    const std::uint64_t triangles = ranks.Sum(outcome.Extracted.NumberOfTriangles);
+    if (budget.Triangles == 0 || triangles <= budget.Triangles || choice->Level == coarsest)
     {
       return Status::Ok();
     }

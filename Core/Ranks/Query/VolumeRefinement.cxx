@@ -80,15 +80,12 @@ Status VolumeRefinement::ChooseFirst(
   pass.Level = finest;
   if (wanted.IsProgressive || wanted.MayBeCoarse)
   {
-    const auto first = FindFirstLevel(volume, task.Query, finest);
-    ISOSURFACE_RETURN_IF_ERROR(first.GetStatus());
-    pass.Level = *first;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto first, FindFirstLevel(volume, task.Query, finest));
+    pass.Level = first;
     // Scripts ask for the levels one by one; a window shows no more than a user can see.
-    if (!wanted.IsProgressive && *first > finest)
+    if (!wanted.IsProgressive && first > finest)
     {
-      const auto isDirect = IsDirectSurface(volume, task.Query, finest);
-      ISOSURFACE_RETURN_IF_ERROR(isDirect.GetStatus());
-      pass.IsDirect = *isDirect;
+      ISOSURFACE_ASSIGN_OR_RETURN(pass.IsDirect, IsDirectSurface(volume, task.Query, finest));
     }
   }
   if (!wanted.MayBeCoarse || wanted.Level > 0 || wanted.FindsIslands || wanted.Budget.IsLimited())
@@ -107,15 +104,15 @@ Status VolumeRefinement::ChooseLevelThatStays(const ExtractionTask& task, std::u
   Pass& pass = this->Last;
   for (int level = pass.Level;; level = this->GetNextLevel(*task.Volume))
   {
-    const auto triangles = EstimateTriangles(*task.Volume, task.Query, level);
-    ISOSURFACE_RETURN_IF_ERROR(triangles.GetStatus());
-    if (level == 0 || *triangles > static_cast<double>(shown))
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto triangles, EstimateTriangles(*task.Volume, task.Query, level));
+    if (level == 0 || triangles > static_cast<double>(shown))
     {
       return Status::Ok(); // it follows
     }
     pass.Stays = true;
     pass.Level = level;
-    pass.Triangles = static_cast<std::size_t>(*triangles / task.Query.Ranks);
+    pass.Triangles = static_cast<std::size_t>(triangles / task.Query.Ranks);
   }
 }
 
@@ -266,10 +263,10 @@ Status VolumeRefinement::BeginLevel(Communicator& ranks)
   if (pass.Wanted.Budget.IsLimited())
   {
     QueryStatistics statistics;
-    const auto within = ChooseLevel(
-      *volume, pass.Task.Query, level, pass.Wanted.Budget, this->GetRate(), ranks, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(within.GetStatus());
-    level = within->Level;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto within,
+      ChooseLevel(
+        *volume, pass.Task.Query, level, pass.Wanted.Budget, this->GetRate(), ranks, statistics));
+    level = within.Level;
   }
   this->Next.ShownLevel = pass.Level;
   this->Next.NextLevel = level;
@@ -297,13 +294,12 @@ Status VolumeRefinement::FindFittingLevel(
   }
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
   std::vector<std::uint64_t> limits = { this->FindFreeMemory(), pass.SizeAccepted ? 1U : 0U };
-  std::vector<std::uint64_t> shown = { pass.Triangles };
   ranks.ReduceMinimum(limits);
-  ranks.ReduceSum(shown);
+  const std::uint64_t shown = ranks.Sum(pass.Triangles);
   isSizeAccepted = limits[1] != 0;
   // A region has a part of the triangles that spectra count: that of the shown surface.
   const double part =
-    estimates.back() > 0 ? std::min(1.0, static_cast<double>(shown.front()) / estimates.back()) : 1;
+    estimates.back() > 0 ? std::min(1.0, static_cast<double>(shown) / estimates.back()) : 1;
   const double bytesPerTriangle =
     EstimateBytesPerTriangle(pass.Task.Request) / pass.Task.Query.Ranks;
   std::vector<double> bytes;
@@ -388,9 +384,7 @@ std::int64_t VolumeRefinement::ChooseFinishedSlices(
   const auto all = static_cast<double>(whole.Grid.GetDimensions()[2] - 1);
   const std::int64_t before = pass.Task.FinishedSlices;
   refinement.Share = static_cast<double>(before) / all;
-  std::vector<std::uint64_t> triangles = { pass.Triangles };
-  ranks.ReduceSum(triangles);
-  const auto shown = static_cast<double>(triangles.front());
+  const auto shown = static_cast<double>(ranks.Sum(pass.Triangles));
   if (before > 0)
   {
     const std::int64_t slices = std::min(finished, 2 * before);

@@ -101,15 +101,14 @@ public:
     std::size_t used = 0;
     for (std::size_t at = 0; at < bytes.size(); at += used)
     {
-      const auto record =
-        EdgeIndexRecord::Parse(this->Header, bytes.data() + at, bytes.size() - at, used);
-      ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-      if (!(this->Block.Vertices == record->Block.Vertices))
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto record,
+        EdgeIndexRecord::Parse(this->Header, bytes.data() + at, bytes.size() - at, used));
+      if (!(this->Block.Vertices == record.Block.Vertices))
       {
         ISOSURFACE_RETURN_IF_ERROR(this->Finish());
-        this->Begin(record->Block);
+        this->Begin(record.Block);
       }
-      this->Block.Points[record->Block.Isovalue] = record->Block.NumberOfPoints;
+      this->Block.Points[record.Block.Isovalue] = record.Block.NumberOfPoints;
       this->Block.Bytes += used;
       this->Records.insert(this->Records.end(), bytes.data() + at, bytes.data() + at + used);
     }

@@ -141,11 +141,10 @@ Status SurfaceExchange::MakePlan()
   return this->Ranks.Agree(RunWithThreads(
     [&]
     {
-      auto plan = ExchangePlan::Make(messages, static_cast<std::size_t>(this->Ranks.GetRank()),
-        this->Header.Geometry, this->Header.Isovalues.size(),
-        static_cast<std::uint32_t>(this->Wanted.DrawingRanks), this->Wanted.RoundBytes);
-      ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
-      this->Plan = std::move(*plan);
+      ISOSURFACE_ASSIGN_OR_RETURN(this->Plan,
+        ExchangePlan::Make(messages, static_cast<std::size_t>(this->Ranks.GetRank()),
+          this->Header.Geometry, this->Header.Isovalues.size(),
+          static_cast<std::uint32_t>(this->Wanted.DrawingRanks), this->Wanted.RoundBytes));
       this->NextArrival.assign(messages.size(), 0);
       this->Spent.Rounds = this->Plan.Rounds;
       this->Spent.ReceivedBlocks = this->Plan.Incoming.size();

@@ -49,9 +49,8 @@ Result<BlockClaims::Range> BlockClaims::ClaimOwn()
   constexpr std::size_t blocksOfThread = 4;
   const std::size_t count =
     std::clamp<std::size_t>(this->OwnLeft / part, 1, blocksOfThread * this->Threads);
-  const auto before = this->Counters.Add(this->Rank, count);
-  ISOSURFACE_RETURN_IF_ERROR(before.GetStatus());
-  const auto [begin, end] = this->FindLeft(this->Rank, *before);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto before, this->Counters.Add(this->Rank, count));
+  const auto [begin, end] = this->FindLeft(this->Rank, before);
   const Range claimed = { begin, std::min(end, begin + count) };
   this->OwnLeft = end - claimed.second;
   return claimed;
@@ -62,21 +61,20 @@ Result<BlockClaims::Range> BlockClaims::ClaimOf(int rank, std::size_t left)
   constexpr std::size_t blocksOfThread = 32;
   const std::size_t part = 2 * (this->Firsts.size() - 1);
   const std::size_t count = std::clamp<std::size_t>(left / part, 1, blocksOfThread * this->Threads);
-  const auto before = this->Counters.Add(rank, static_cast<std::uint64_t>(count) << BackBits);
-  ISOSURFACE_RETURN_IF_ERROR(before.GetStatus());
-  const auto [begin, end] = this->FindLeft(rank, *before);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto before, this->Counters.Add(rank, static_cast<std::uint64_t>(count) << BackBits));
+  const auto [begin, end] = this->FindLeft(rank, before);
   return Range{ end - std::min(count, end - begin), end };
 }
 
 Result<std::pair<int, std::size_t>> BlockClaims::FindMost()
 {
-  const auto counters = this->Counters.Read(this->Others);
-  ISOSURFACE_RETURN_IF_ERROR(counters.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto counters, this->Counters.Read(this->Others));
   std::pair<int, std::size_t> most = { -1, 0 };
   std::vector<int> others;
   for (std::size_t n = 0; n < this->Others.size(); ++n)
   {
-    const auto [begin, end] = this->FindLeft(this->Others[n], (*counters)[n]);
+    const auto [begin, end] = this->FindLeft(this->Others[n], counters[n]);
     if (begin < end)
     {
       others.push_back(this->Others[n]);
@@ -99,27 +97,24 @@ Result<std::vector<std::size_t>> BlockClaims::Take()
 {
   if (this->OwnLeft > 0)
   {
-    const auto own = this->ClaimOwn();
-    ISOSURFACE_RETURN_IF_ERROR(own.GetStatus());
-    if (own->first < own->second)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto own, this->ClaimOwn());
+    if (own.first < own.second)
     {
-      return this->List(this->Rank, *own);
+      return this->List(this->Rank, own);
     }
   }
   while (!this->Others.empty())
   {
-    const auto most = this->FindMost();
-    ISOSURFACE_RETURN_IF_ERROR(most.GetStatus());
-    const auto [rank, left] = *most;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto most, this->FindMost());
+    const auto [rank, left] = most;
     if (rank < 0)
     {
       break;
     }
-    const auto claimed = this->ClaimOf(rank, left);
-    ISOSURFACE_RETURN_IF_ERROR(claimed.GetStatus());
-    if (claimed->first < claimed->second)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto claimed, this->ClaimOf(rank, left));
+    if (claimed.first < claimed.second)
     {
-      std::vector<std::size_t> blocks = this->List(rank, *claimed);
+      std::vector<std::size_t> blocks = this->List(rank, claimed);
       if (this->Announce)
       {
         this->Announce(blocks.front(), blocks.back() + 1);

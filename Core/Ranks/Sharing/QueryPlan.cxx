@@ -74,11 +74,10 @@ public:
     }
     const bool isSharedByReplicas =
       this->Replicas > 1 && this->Ranks > 1 && this->Volume.HasLocalStores();
-    auto blocks = isSharedByReplicas
-      ? this->FindByReplicas()
-      : this->FindIn(ListOwnStores(this->Rank, this->Ranks, this->Stores));
-    ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-    return this->MakePlan({ std::move(*blocks), { 0 }, 0 });
+    ISOSURFACE_ASSIGN_OR_RETURN(auto blocks,
+      isSharedByReplicas ? this->FindByReplicas()
+                         : this->FindIn(ListOwnStores(this->Rank, this->Ranks, this->Stores)));
+    return this->MakePlan({ std::move(blocks), { 0 }, 0 });
   }
 
 private:
@@ -113,10 +112,9 @@ private:
     for (StoreSpan& span : spans)
     {
       span.Replica = this->FindReplicas(span.Store).front();
-      const auto active =
-        this->Volume.FindActiveBlocks(this->Query, span, this->Level, this->Statistics);
-      ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
-      found.insert(found.end(), active->begin(), active->end());
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto active,
+        this->Volume.FindActiveBlocks(this->Query, span, this->Level, this->Statistics));
+      found.insert(found.end(), active.begin(), active.end());
     }
     if (this->Replicas > 1)
     {
@@ -129,8 +127,8 @@ private:
   /// hosts.
   Result<StoreShares> ShareStores(bool isAmongRanks)
   {
-    const auto work = this->Volume.FindStoreWork(this->Query, this->Level);
-    ISOSURFACE_RETURN_IF_ERROR(work.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto work, this->Volume.FindStoreWork(this->Query, this->Level));
     StoreShares shares;
     for (std::uint32_t store = 0; store < this->Stores; ++store)
     {
@@ -152,29 +150,28 @@ private:
     }
     const std::uint32_t servers = isAmongRanks ? this->Ranks : this->Stores;
     shares.Work = BalanceReplicas(
-      work->Triangles, shares.Servers, servers, FindTolerance(work->ActiveBlocks, servers));
+      work.Triangles, shares.Servers, servers, FindTolerance(work.ActiveBlocks, servers));
     return shares;
   }
 
   /// This rank's blocks where each reads the stores of its own alone, and others have replicas.
   Result<References> FindByReplicas()
   {
-    const auto shares = this->ShareStores(true);
-    ISOSURFACE_RETURN_IF_ERROR(shares.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto shares, this->ShareStores(true));
     References references;
     for (std::uint32_t store = 0; store < this->Stores; ++store)
     {
-      const std::vector<ReplicaServer>& servers = shares->Servers[store];
+      const std::vector<ReplicaServer>& servers = shares.Servers[store];
       const auto mine = std::find_if(servers.begin(), servers.end(),
         [&](const ReplicaServer& server) { return server.Server == this->Rank; });
       if (mine == servers.end())
       {
         continue;
       }
-      const auto found = this->Volume.FindActiveBlocks(
-        this->Query, { store, mine->Replica }, this->Level, this->Statistics);
-      ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-      this->TakeShare(*found, servers, shares->Work[store], references);
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto found,
+        this->Volume.FindActiveBlocks(
+          this->Query, { store, mine->Replica }, this->Level, this->Statistics));
+      this->TakeShare(found, servers, shares.Work[store], references);
     }
     return references;
   }
@@ -234,15 +231,14 @@ private:
   /// The blocks of all stores, dealt: this rank's alone, or those of all ranks.
   Result<QueryPlan> PlanDealt(PlannedShares shares)
   {
-    auto found = this->FindIn(ListOwnStores(0, 1, this->Stores));
-    ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-    const std::vector<std::uint32_t> owners = this->FindOwners(*found);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto found, this->FindIn(ListOwnStores(0, 1, this->Stores)));
+    const std::vector<std::uint32_t> owners = this->FindOwners(found);
     std::vector<References> dealt(this->Ranks);
-    for (std::size_t n = 0; n < found->size(); ++n)
+    for (std::size_t n = 0; n < found.size(); ++n)
     {
       if (shares == PlannedShares::All || owners[n] == this->Rank)
       {
-        dealt[owners[n]].push_back((*found)[n]);
+        dealt[owners[n]].push_back(found[n]);
       }
     }
     if (shares == PlannedShares::Own)
@@ -251,7 +247,7 @@ private:
     }
     QueryPlan plan;
     plan.Own = this->Rank;
-    plan.Blocks.reserve(found->size());
+    plan.Blocks.reserve(found.size());
     for (const References& share : dealt)
     {
       plan.Firsts.push_back(plan.Blocks.size());
@@ -273,7 +269,8 @@ private:
     }
     // With fewer chunks a rank, shares would differ too much.
     constexpr std::int64_t chunksOfRank = 16;
-    Index3 chunk = this->Volume.GetHeader().TimeSteps[this->Query.TimeStep].Source->Chunk.value_or(size);
+    Index3 chunk =
+      this->Volume.GetHeader().TimeSteps[this->Query.TimeStep].Source->Chunk.value_or(size);
     std::int64_t chunks = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
     {

@@ -33,14 +33,13 @@ Status RunWithReplicas(
     {
       return mine;
     }
-    const auto news = volume->ShareStoreFaults(ranks);
-    ISOSURFACE_RETURN_IF_ERROR(news.GetStatus());
-    if (!news->Warning.empty())
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto news, volume->ShareStoreFaults(ranks));
+    if (!news.Warning.empty())
     {
-      warning += (warning.empty() ? "" : "; ") + news->Warning;
+      warning += (warning.empty() ? "" : "; ") + news.Warning;
     }
     Status all = ranks.Agree(mine);
-    if (all.IsOk() || all.GetCode() == StatusCode::Aborted || !news->IsNew)
+    if (all.IsOk() || all.GetCode() == StatusCode::Aborted || !news.IsNew)
     {
       return all;
     }

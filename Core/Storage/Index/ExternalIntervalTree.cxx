@@ -69,19 +69,18 @@ private:
   Status VisitNode(const IntervalSubtree& subtree)
   {
     const std::uint32_t number = subtree.List.Page;
-    const auto page = this->ReadPage(number);
-    ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
-    const auto node = IntervalTreeNode::Decode(this->File, number, (*page)->data());
-    ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
-    if (node->Height != subtree.Height)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto page, this->ReadPage(number));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto node, IntervalTreeNode::Decode(this->File, number, page->data()));
+    if (node.Height != subtree.Height)
     {
       return this->File.MakeCorrupt(number, "a node of another height than its parent says");
     }
-    const std::size_t first = node->FindSlab(this->Low);
-    const std::size_t last = node->FindSlab(this->High);
-    ISOSURFACE_RETURN_IF_ERROR(this->ReadLeftLists(*node, first, last));
-    ISOSURFACE_RETURN_IF_ERROR(this->ReadListsAcross(*node, first));
-    return this->EnterChildren(*node, first, last);
+    const std::size_t first = node.FindSlab(this->Low);
+    const std::size_t last = node.FindSlab(this->High);
+    ISOSURFACE_RETURN_IF_ERROR(this->ReadLeftLists(node, first, last));
+    ISOSURFACE_RETURN_IF_ERROR(this->ReadListsAcross(node, first));
+    return this->EnterChildren(node, first, last);
   }
 
   /// Reports the intervals whose minimum is in the query's slabs and not above its end.
@@ -189,13 +188,12 @@ private:
     --this->RecordsLeft;
     if (!this->RecordPage || number != this->RecordPageNumber)
     {
-      auto page = this->ReadPage(number);
-      ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
-      if (!IntervalRecordPage::IsOne((*page)->data()))
+      ISOSURFACE_ASSIGN_OR_RETURN(auto page, this->ReadPage(number));
+      if (!IntervalRecordPage::IsOne(page->data()))
       {
         return this->File.MakeCorrupt(number, "this is not a page of intervals");
       }
-      this->RecordPage = std::move(*page);
+      this->RecordPage = std::move(page);
       this->RecordPageNumber = number;
     }
     interval = IntervalRecordPage::Get(
@@ -247,20 +245,17 @@ private:
 Result<std::unique_ptr<ExternalIntervalTree>> ExternalIntervalTree::Open(
   FileSystem& fileSystem, const std::string& path, std::size_t cacheBytes)
 {
-  auto file = fileSystem.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  return Open(std::move(*file), cacheBytes);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, fileSystem.OpenForReading(path));
+  return Open(std::move(file), cacheBytes);
 }
 
 Result<std::unique_ptr<ExternalIntervalTree>> ExternalIntervalTree::Open(
   std::unique_ptr<RandomAccessFile> file, std::size_t cacheBytes)
 {
-  auto pages = PagedFileReader::Open(std::move(file), IntervalTreeFormat::Kind, cacheBytes);
-  ISOSURFACE_RETURN_IF_ERROR(pages.GetStatus());
-  std::unique_ptr<ExternalIntervalTree> tree(new ExternalIntervalTree(std::move(*pages)));
-  auto header = IntervalTreeHeader::Decode(*tree->File);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  tree->Header = *header;
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto pages, PagedFileReader::Open(std::move(file), IntervalTreeFormat::Kind, cacheBytes));
+  std::unique_ptr<ExternalIntervalTree> tree(new ExternalIntervalTree(std::move(pages)));
+  ISOSURFACE_ASSIGN_OR_RETURN(tree->Header, IntervalTreeHeader::Decode(*tree->File));
   return tree;
 }
 
@@ -294,8 +289,7 @@ Status ExternalIntervalTree::Verify(PageStatistics& statistics) const
 {
   for (std::uint64_t page = 0; page < this->File->GetPageCount(); ++page)
   {
-    const auto read = this->File->ReadPage(page, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(this->File->ReadPage(page, statistics).GetStatus());
   }
   return IntervalTreeVerification(*this->File, this->Header, statistics).Run();
 }

@@ -92,20 +92,18 @@ Status ExternalIntervalTreeBuilder::Check(const KeyInterval& interval) const
 
 Status ExternalIntervalTreeBuilder::Write(const std::string& path)
 {
-  auto file =
-    PagedFileWriter::Create(this->Names.Files, path, this->PageSize, IntervalTreeFormat::Kind);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  IntervalSubtreeWriter writer(**file, this->Names, this->MemoryLimit);
-  auto root = writer.WriteTree(std::move(this->Sorter));
-  ISOSURFACE_RETURN_IF_ERROR(root.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file,
+    PagedFileWriter::Create(this->Names.Files, path, this->PageSize, IntervalTreeFormat::Kind));
+  IntervalSubtreeWriter writer(*file, this->Names, this->MemoryLimit);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto root, writer.WriteTree(std::move(this->Sorter)));
   IntervalTreeHeader header;
   header.Count = this->Count;
   header.Identity = this->Identity;
-  header.Root = *root;
+  header.Root = root;
   header.Minimum = this->Minimum;
   header.Maximum = this->Maximum;
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Finish(header.Encode()));
-  this->Seal = (*file)->GetSeal();
+  ISOSURFACE_RETURN_IF_ERROR(file->Finish(header.Encode()));
+  this->Seal = file->GetSeal();
   return Status::Ok();
 }
 

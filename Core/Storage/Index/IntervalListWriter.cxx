@@ -45,9 +45,7 @@ Status IntervalListWriter::Finish()
 
 Status IntervalListWriter::BeginPage()
 {
-  auto page = this->File.AllocatePage();
-  ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
-  this->Page = *page;
+  ISOSURFACE_ASSIGN_OR_RETURN(this->Page, this->File.AllocatePage());
   this->Record = 0;
   std::fill(this->Payload.begin(), this->Payload.end(), std::uint8_t(0));
   IntervalRecordPage::Begin(this->Payload.data());

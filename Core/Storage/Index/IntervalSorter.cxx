@@ -178,14 +178,13 @@ void IntervalSorter::SortMemory()
 Status IntervalSorter::WriteRun()
 {
   this->SortMemory();
-  auto run = TemporaryRecords::Create(this->Names, MinimumBufferBytes);
-  ISOSURFACE_RETURN_IF_ERROR(run.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto run, TemporaryRecords::Create(this->Names, MinimumBufferBytes));
   for (const IntervalRecord& record : this->Records)
   {
-    ISOSURFACE_RETURN_IF_ERROR((*run)->Append(record));
+    ISOSURFACE_RETURN_IF_ERROR(run->Append(record));
   }
-  ISOSURFACE_RETURN_IF_ERROR((*run)->FinishWriting());
-  this->Runs.push_back(std::move(*run));
+  ISOSURFACE_RETURN_IF_ERROR(run->FinishWriting());
+  this->Runs.push_back(std::move(run));
   this->Records.clear();
   return Status::Ok();
 }
@@ -193,20 +192,19 @@ Status IntervalSorter::WriteRun()
 Status IntervalSorter::MergeFirstRuns(std::size_t count)
 {
   const std::size_t buffer = this->MemoryBytes / (count + 1);
-  auto run = TemporaryRecords::Create(this->Names, buffer);
-  ISOSURFACE_RETURN_IF_ERROR(run.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto run, TemporaryRecords::Create(this->Names, buffer));
   {
     Merge merge(*this, count, buffer * count);
     Status status;
     while (const IntervalRecord* record = merge.Next(status))
     {
-      ISOSURFACE_RETURN_IF_ERROR((*run)->Append(*record));
+      ISOSURFACE_RETURN_IF_ERROR(run->Append(*record));
     }
     ISOSURFACE_RETURN_IF_ERROR(status);
   }
-  ISOSURFACE_RETURN_IF_ERROR((*run)->FinishWriting());
+  ISOSURFACE_RETURN_IF_ERROR(run->FinishWriting());
   this->Runs.erase(this->Runs.begin(), this->Runs.begin() + static_cast<std::ptrdiff_t>(count));
-  this->Runs.push_back(std::move(*run));
+  this->Runs.push_back(std::move(run));
   return Status::Ok();
 }
 

@@ -54,9 +54,7 @@ Result<IntervalSubtree> IntervalSubtreeWriter::WriteTree(std::unique_ptr<Interva
   }
   else
   {
-    auto created = TemporaryRecords::Create(this->Names, this->BufferBytes);
-    ISOSURFACE_RETURN_IF_ERROR(created.GetStatus());
-    file = std::move(*created);
+    ISOSURFACE_ASSIGN_OR_RETURN(file, TemporaryRecords::Create(this->Names, this->BufferBytes));
     Status status;
     while (const IntervalRecord* record = sorter->Next(status))
     {
@@ -93,12 +91,11 @@ Result<IntervalSubtree> IntervalSubtreeWriter::WriteSubtree(const Sequence& sequ
 
 Result<IntervalSubtree> IntervalSubtreeWriter::WriteLeaf(const Sequence& sequence)
 {
-  auto list = this->Lists.Begin(sequence.Count);
-  ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto list, this->Lists.Begin(sequence.Count));
   ISOSURFACE_RETURN_IF_ERROR(this->ForEach(
     sequence, [this](const IntervalRecord& record) { return this->AddToList(record); }));
   IntervalSubtree leaf;
-  leaf.List = *list;
+  leaf.List = list;
   return leaf;
 }
 
@@ -120,13 +117,12 @@ Result<IntervalSubtree> IntervalSubtreeWriter::WriteNode(const Sequence& sequenc
   ISOSURFACE_RETURN_IF_ERROR(this->WriteSpanLists(state));
   ISOSURFACE_RETURN_IF_ERROR(this->WriteChildren(state));
 
-  auto page = this->File.AllocatePage();
-  ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto page, this->File.AllocatePage());
   std::vector<std::uint8_t> payload(this->File.GetPayloadSize());
   state.Node.Encode(payload.size(), payload.data());
-  ISOSURFACE_RETURN_IF_ERROR(this->File.WritePage(*page, payload.data()));
+  ISOSURFACE_RETURN_IF_ERROR(this->File.WritePage(page, payload.data()));
   IntervalSubtree subtree;
-  subtree.List.Page = *page;
+  subtree.List.Page = page;
   subtree.List.Count = sequence.Count;
   subtree.Height = state.Node.Height;
   return subtree;
@@ -165,9 +161,8 @@ Status IntervalSubtreeWriter::Distribute(const Sequence& sequence, NodeState& st
 {
   if (sequence.File)
   {
-    auto file = TemporaryRecords::Create(this->Names, this->BufferBytes);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    state.ChildFile = std::move(*file);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      state.ChildFile, TemporaryRecords::Create(this->Names, this->BufferBytes));
   }
   state.ChildMemory = sequence.Memory;
   ISOSURFACE_RETURN_IF_ERROR(this->ForEach(sequence,
@@ -197,9 +192,8 @@ Status IntervalSubtreeWriter::DistributeOne(const IntervalRecord& record, NodeSt
   IntervalTreeSlab& slab = state.Node.Slabs[placement.First];
   if (slab.Left.Count == 0)
   {
-    auto list = this->Lists.Begin(state.Plan.GetLeftCount(placement.First));
-    ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
-    slab.Left = *list;
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      slab.Left, this->Lists.Begin(state.Plan.GetLeftCount(placement.First)));
     slab.LeftMinimum = record.Minimum;
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AddToList(record));
@@ -229,9 +223,8 @@ Status IntervalSubtreeWriter::WriteRightLists(NodeState& state)
     IntervalTreeSlab& slab = state.Node.Slabs[record->Group];
     if (slab.Right.Count == 0)
     {
-      auto list = this->Lists.Begin(state.Plan.GetRightCount(record->Group));
-      ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
-      slab.Right = *list;
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        slab.Right, this->Lists.Begin(state.Plan.GetRightCount(record->Group)));
       slab.RightMaximum = record->Maximum;
     }
     ISOSURFACE_RETURN_IF_ERROR(this->AddToList(*record));
@@ -250,9 +243,8 @@ Status IntervalSubtreeWriter::WriteSpanLists(NodeState& state)
   {
     if (lists[record->Group].Count == 0)
     {
-      auto list = this->Lists.Begin(groups[record->Group].Count);
-      ISOSURFACE_RETURN_IF_ERROR(list.GetStatus());
-      lists[record->Group] = *list;
+      ISOSURFACE_ASSIGN_OR_RETURN(auto list, this->Lists.Begin(groups[record->Group].Count));
+      lists[record->Group] = list;
     }
     ISOSURFACE_RETURN_IF_ERROR(this->AddToList(*record));
   }
@@ -287,11 +279,11 @@ Status IntervalSubtreeWriter::WriteChildren(NodeState& state)
       const std::uint32_t count = state.Plan.GetChildCount(slab);
       if ((count <= this->Lists.GetRecordsPerPage()) == leaves)
       {
-        auto child = this->WriteSubtree({ state.ChildMemory ? state.ChildMemory + first : nullptr,
-          state.ChildFile.get(), first, count });
-        ISOSURFACE_RETURN_IF_ERROR(child.GetStatus());
-        state.Node.Slabs[slab].Child = *child;
-        state.Node.Height = std::max(state.Node.Height, child->Height + 1);
+        ISOSURFACE_ASSIGN_OR_RETURN(auto child,
+          this->WriteSubtree({ state.ChildMemory ? state.ChildMemory + first : nullptr,
+            state.ChildFile.get(), first, count }));
+        state.Node.Slabs[slab].Child = child;
+        state.Node.Height = std::max(state.Node.Height, child.Height + 1);
       }
       first += count;
     }

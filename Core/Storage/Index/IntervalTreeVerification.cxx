@@ -65,9 +65,8 @@ void IntervalTreeVerification::Count(const KeyInterval& interval)
 
 Status IntervalTreeVerification::VisitLeaf(const Place& place)
 {
-  const auto records = this->ReadList(place.Subtree.List);
-  ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
-  for (const KeyInterval& interval : *records)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto records, this->ReadList(place.Subtree.List));
+  for (const KeyInterval& interval : records)
   {
     if (!place.Contains(interval))
     {
@@ -87,21 +86,20 @@ Status IntervalTreeVerification::VisitNode(const Place& place)
     return this->File.MakeCorrupt(page, "the node is there twice");
   }
   this->IsVisited[page] = true;
-  const auto payload = this->File.ReadPage(page, this->Statistics);
-  ISOSURFACE_RETURN_IF_ERROR(payload.GetStatus());
-  const auto node = IntervalTreeNode::Decode(this->File, page, (*payload)->data());
-  ISOSURFACE_RETURN_IF_ERROR(node.GetStatus());
-  if (node->Height != place.Subtree.Height)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto payload, this->File.ReadPage(page, this->Statistics));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto node, IntervalTreeNode::Decode(this->File, page, payload->data()));
+  if (node.Height != place.Subtree.Height)
   {
     return this->File.MakeCorrupt(page, "the node has another height than its parent says");
   }
   const std::uint64_t before = this->Found;
   Expected expected;
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckLeft(place, *node, expected));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckRight(page, *node, expected));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckMultislabs(page, *node, expected));
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckWindows(page, *node, expected));
-  return this->AddChildren(place, *node, this->Found - before);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckLeft(place, node, expected));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckRight(page, node, expected));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckMultislabs(page, node, expected));
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckWindows(page, node, expected));
+  return this->AddChildren(place, node, this->Found - before);
 }
 
 /// Each interval of the node is in one left list: that of the slab of its minimum.
@@ -112,14 +110,13 @@ Status IntervalTreeVerification::CheckLeft(
   expected.Right.resize(node.Slabs.size());
   for (std::size_t slab = 0; slab < node.Slabs.size(); ++slab)
   {
-    const auto records = this->ReadList(node.Slabs[slab].Left);
-    ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
-    if (!records->empty() && records->front().Minimum != node.Slabs[slab].LeftMinimum)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto records, this->ReadList(node.Slabs[slab].Left));
+    if (!records.empty() && records.front().Minimum != node.Slabs[slab].LeftMinimum)
     {
       return this->File.MakeCorrupt(page, "the minimum of a left list is not that of the list");
     }
     ValueKey last = 0;
-    for (const KeyInterval& interval : *records)
+    for (const KeyInterval& interval : records)
     {
       const auto end = static_cast<std::size_t>(
         std::upper_bound(node.Boundaries.begin(), node.Boundaries.end(), interval.Maximum) -
@@ -149,15 +146,14 @@ Status IntervalTreeVerification::CheckRight(
 {
   for (std::size_t slab = 0; slab < node.Slabs.size(); ++slab)
   {
-    const auto records = this->ReadList(node.Slabs[slab].Right);
-    ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
-    if (!records->empty() && records->front().Maximum != node.Slabs[slab].RightMaximum)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto records, this->ReadList(node.Slabs[slab].Right));
+    if (!records.empty() && records.front().Maximum != node.Slabs[slab].RightMaximum)
     {
       return this->File.MakeCorrupt(page, "the maximum of a right list is not that of the list");
     }
-    const bool isSorted = std::is_sorted(records->begin(), records->end(),
+    const bool isSorted = std::is_sorted(records.begin(), records.end(),
       [](const KeyInterval& a, const KeyInterval& b) { return a.Maximum > b.Maximum; });
-    if (!isSorted || !AreEqual(*records, std::move(expected.Right[slab])))
+    if (!isSorted || !AreEqual(records, std::move(expected.Right[slab])))
     {
       return this->File.MakeCorrupt(
         page, "a right list does not have the intervals that end in its slab");
@@ -172,8 +168,7 @@ Status IntervalTreeVerification::CheckMultislabs(
 {
   for (const IntervalTreeMultislab& multislab : node.Multislabs)
   {
-    const auto records = this->ReadList(multislab.List);
-    ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto records, this->ReadList(multislab.List));
     const auto isOther = [&](const Expected::Span& span)
     { return span.First != multislab.First || span.Last != multislab.Last; };
     const auto own = std::partition(expected.Spans.begin(), expected.Spans.end(), isOther);
@@ -183,7 +178,7 @@ Status IntervalTreeVerification::CheckMultislabs(
       wanted.push_back(span->Interval);
     }
     expected.Spans.erase(own, expected.Spans.end());
-    if (!AreEqual(*records, std::move(wanted)))
+    if (!AreEqual(records, std::move(wanted)))
     {
       return this->File.MakeCorrupt(
         page, "a multislab list does not have the intervals that span its slabs");
@@ -199,9 +194,8 @@ Status IntervalTreeVerification::CheckWindows(
   std::vector<Intervals> lists;
   for (const IntervalList& window : node.Windows)
   {
-    auto records = this->ReadList(window);
-    ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
-    lists.push_back(std::move(*records));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto records, this->ReadList(window));
+    lists.push_back(std::move(records));
   }
   for (std::size_t number = 0; number <= lists.size(); ++number)
   {
@@ -277,13 +271,12 @@ Result<IntervalTreeVerification::Intervals> IntervalTreeVerification::ReadList(
     --this->RecordsLeft;
     if (!payload || page != current)
     {
-      auto read = this->File.ReadPage(page, this->Statistics);
-      ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-      if (!IntervalRecordPage::IsOne((*read)->data()))
+      ISOSURFACE_ASSIGN_OR_RETURN(auto read, this->File.ReadPage(page, this->Statistics));
+      if (!IntervalRecordPage::IsOne(read->data()))
       {
         return this->File.MakeCorrupt(page, "this is not a page of intervals");
       }
-      payload = std::move(*read);
+      payload = std::move(read);
       current = page;
     }
     records.push_back(IntervalRecordPage::Get(

@@ -20,10 +20,9 @@ Result<std::unique_ptr<TemporaryRecords>> TemporaryRecords::Create(
   TemporaryNames& names, std::size_t bufferBytes)
 {
   std::string path = names.Make();
-  auto writer = names.Files.CreateForWriting(path);
-  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto writer, names.Files.CreateForWriting(path));
   std::unique_ptr<TemporaryRecords> records(
-    new TemporaryRecords(names.Files, std::move(path), std::move(*writer)));
+    new TemporaryRecords(names.Files, std::move(path), std::move(writer)));
   records->Buffer.reserve(CountRecords(bufferBytes));
   return records;
 }
@@ -66,9 +65,7 @@ Status TemporaryRecords::FinishWriting()
 
 Status TemporaryRecords::OpenForReading()
 {
-  auto reader = this->Files.OpenForReading(this->Path);
-  ISOSURFACE_RETURN_IF_ERROR(reader.GetStatus());
-  this->Reader = std::move(*reader);
+  ISOSURFACE_ASSIGN_OR_RETURN(this->Reader, this->Files.OpenForReading(this->Path));
   return Status::Ok();
 }
 

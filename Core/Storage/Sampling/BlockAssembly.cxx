@@ -137,9 +137,9 @@ Status VisitBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t vari
 {
   const auto read = [&](std::size_t block, QueryStatistics& cost) -> Status
   {
-    const auto decoded = volume.ReadBlock(blocks[block], timeStep, variable, level, cost);
-    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
-    visit(blocks[block], (*decoded)->View);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto decoded, volume.ReadBlock(blocks[block], timeStep, variable, level, cost));
+    visit(blocks[block], decoded->View);
     return Status::Ok();
   };
   return ReadInParallel(blocks.size(), threads, read, statistics, progress);

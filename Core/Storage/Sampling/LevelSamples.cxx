@@ -75,26 +75,25 @@ Result<std::shared_ptr<const LevelSamples>> LevelSamples::Open(
   std::shared_ptr<BlockedVolume> volume, std::size_t timeStep, int level)
 {
   QueryStatistics unused;
-  auto blocks = volume->ListBlocks(timeStep, unused, level);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  std::sort(blocks->begin(), blocks->end(),
+  ISOSURFACE_ASSIGN_OR_RETURN(auto blocks, volume->ListBlocks(timeStep, unused, level));
+  std::sort(blocks.begin(), blocks.end(),
     [](const BlockReference& a, const BlockReference& b) { return a.Block < b.Block; });
   std::shared_ptr<LevelSamples> samples(new LevelSamples);
   samples->Stored = volume->FindLevel(level);
   std::int64_t expected = 0;
-  for (const BlockReference& block : *blocks)
+  for (const BlockReference& block : blocks)
   {
     expected += block.Block == expected;
   }
   if (expected < samples->Stored.Grid->GetNumberOfBlocks() ||
-    blocks->size() != static_cast<std::size_t>(expected))
+    blocks.size() != static_cast<std::size_t>(expected))
   {
     return Status(StatusCode::Corrupt, volume->GetPath() + ": its stores have not each block once");
   }
   samples->Volume = std::move(volume);
   samples->TimeStep = timeStep;
   samples->Level = level;
-  samples->Blocks = std::move(*blocks);
+  samples->Blocks = std::move(blocks);
   return std::shared_ptr<const LevelSamples>(std::move(samples));
 }
 

@@ -189,9 +189,9 @@ private:
     this->Blocks.clear();
     for (const BlockReference& reference : references)
     {
-      auto read = volume.ReadBlock(reference, step, this->Variable, level, this->Statistics);
-      ISOSURFACE_RETURN_IF_ERROR(read.GetStatus());
-      this->Blocks.push_back(std::move(*read));
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        auto read, volume.ReadBlock(reference, step, this->Variable, level, this->Statistics));
+      this->Blocks.push_back(std::move(read));
     }
     return Status::Ok();
   }

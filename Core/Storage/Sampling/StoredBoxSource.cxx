@@ -12,8 +12,7 @@ Result<std::unique_ptr<StoredBoxSource>> StoredBoxSource::Make(
   const std::shared_ptr<BlockedVolume>& volume, std::size_t timeStep,
   const std::vector<std::size_t>& arrays, int threads)
 {
-  auto samples = LevelSamples::Open(volume, timeStep, 0);
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto samples, LevelSamples::Open(volume, timeStep, 0));
   std::unique_ptr<StoredBoxSource> source(new StoredBoxSource);
   for (const std::size_t array : arrays)
   {
@@ -22,7 +21,7 @@ Result<std::unique_ptr<StoredBoxSource>> StoredBoxSource::Make(
       source->Variables.push_back(*volume->GetVariables().Find(array, component));
     }
   }
-  source->Samples = std::move(*samples);
+  source->Samples = std::move(samples);
   source->Box = source->Samples->GetBox();
   source->Threads = threads;
   return source;

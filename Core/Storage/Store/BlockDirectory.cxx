@@ -43,9 +43,9 @@ std::uint64_t BlockDirectoryEntry::FindSegment(std::size_t segment) const
 Result<std::uint64_t> BlockDirectory::Write(FileSystem& fileSystem, const std::string& path,
   std::size_t segments, std::uint64_t identity, const std::vector<BlockDirectoryEntry>& entries)
 {
-  auto file = PagedFileWriter::Create(fileSystem, path, ChoosePageSize(segments), DirectoryKind);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  PagedFileWriter& writer = **file;
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto file, PagedFileWriter::Create(fileSystem, path, ChoosePageSize(segments), DirectoryKind));
+  PagedFileWriter& writer = *file;
   const std::size_t entrySize = GetEntrySize(segments);
   const std::size_t perPage = writer.GetPayloadSize() / entrySize;
   std::vector<std::uint8_t> payload(writer.GetPayloadSize());
@@ -64,9 +64,8 @@ Result<std::uint64_t> BlockDirectory::Write(FileSystem& fileSystem, const std::s
         StoreLittleEndian(to + 16 + 4 * segment, entry.Lengths[segment]);
       }
     }
-    const auto page = writer.AllocatePage();
-    ISOSURFACE_RETURN_IF_ERROR(page.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(writer.WritePage(*page, payload.data()));
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto page, writer.AllocatePage());
+    ISOSURFACE_RETURN_IF_ERROR(writer.WritePage(page, payload.data()));
   }
   PagedFile::ClientArea area = {};
   StoreLittleEndian(area.data(), static_cast<std::uint64_t>(entries.size()));
@@ -89,11 +88,10 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
   const std::string& path, std::uint64_t entries, std::size_t segments, std::uint64_t identity,
   std::size_t cacheBytes, SamplePlace place)
 {
-  auto file = fileSystem.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  auto reader = PagedFileReader::Open(std::move(*file), DirectoryKind, cacheBytes);
-  ISOSURFACE_RETURN_IF_ERROR(reader.GetStatus());
-  const PagedFileReader& pages = **reader;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, fileSystem.OpenForReading(path));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto reader, PagedFileReader::Open(std::move(file), DirectoryKind, cacheBytes));
+  const PagedFileReader& pages = *reader;
   const std::uint8_t* area = pages.GetClientArea().data();
   if (LoadLittleEndian<std::uint64_t>(area) != entries ||
     LoadLittleEndian<std::uint32_t>(area + 8) != segments)
@@ -111,7 +109,7 @@ Result<std::unique_ptr<BlockDirectory>> BlockDirectory::Open(FileSystem& fileSys
     return pages.MakeCorrupt(0, "its number of pages does not fit its number of blocks");
   }
   return std::unique_ptr<BlockDirectory>(
-    new BlockDirectory(std::move(*reader), entries, segments, place));
+    new BlockDirectory(std::move(reader), entries, segments, place));
 }
 
 Result<BlockDirectoryEntry> BlockDirectory::Read(std::uint64_t ordinal, std::int64_t blocks,

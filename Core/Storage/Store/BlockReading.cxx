@@ -90,18 +90,18 @@ Result<std::shared_ptr<const DecodedBlock>> BlockReading::ReadComponent(std::siz
   const std::size_t end = this->FindEndOfRead(component);
   const StoreReplica replica = { static_cast<std::uint32_t>(this->TimeStep), this->Stored.Part,
     this->Reference.Store, this->Reference.Replica };
-  const auto blocks = this->Stores.ReadReplicas(replica, this->Reference.Ordinal,
-    [&](BlockStore& store)
-    {
-      return store.ReadAdjacent(this->Reference.Ordinal, this->Reference.Block, component,
-        end - component, this->Stored.Level, this->Statistics);
-    });
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  for (std::size_t n = 0; n < blocks->size(); ++n)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto blocks,
+    this->Stores.ReadReplicas(replica, this->Reference.Ordinal,
+      [&](BlockStore& store)
+      {
+        return store.ReadAdjacent(this->Reference.Ordinal, this->Reference.Block, component,
+          end - component, this->Stored.Level, this->Statistics);
+      }));
+  for (std::size_t n = 0; n < blocks.size(); ++n)
   {
-    this->Found[component + n] = (*blocks)[n];
+    this->Found[component + n] = blocks[n];
   }
-  return blocks->front();
+  return blocks.front();
 }
 
 /// Components that were not announced do not enter the cache, where they would displace others.
@@ -112,11 +112,11 @@ Result<std::shared_ptr<const DecodedBlock>> BlockReading::MakeMagnitude(std::siz
   for (int number = 0; number < all.GetComponents(array); ++number)
   {
     const std::size_t component = all.GetFirst(array) + static_cast<std::size_t>(number);
-    const auto block = this->Announced.count(component) != 0 || this->IsCached(component)
-      ? this->Get(component)
-      : this->ReadComponent(component);
-    ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
-    components.push_back(*block);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto block,
+      this->Announced.count(component) != 0 || this->IsCached(component)
+        ? this->Get(component)
+        : this->ReadComponent(component));
+    components.push_back(block);
   }
   return std::shared_ptr<const DecodedBlock>(MakeMagnitudeBlock(components));
 }

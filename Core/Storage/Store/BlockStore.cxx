@@ -65,21 +65,19 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   }
   std::shared_ptr<BlockStore> store(new BlockStore(files, folder, header, description));
   const SamplePlace place = source ? SamplePlace::Source : SamplePlace::Store;
-  auto records = StoreRecords::Open(files, folder, header, std::move(source));
-  ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
-  store->Records = std::move(*records);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    store->Records, StoreRecords::Open(files, folder, header, std::move(source)));
   if (store->Records->GetSize() != description.Bytes)
   {
     return Status(StatusCode::Corrupt,
       store->Records->GetPath() + ": has " + std::to_string(store->Records->GetSize()) +
         " bytes instead of the " + std::to_string(description.Bytes) + " that the header states");
   }
-  auto directory = OpenDirectory(files, folder, description,
-    store->Variables.GetNumberOfStored() *
-      static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
-    place);
-  ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
-  store->Directory = std::move(*directory);
+  ISOSURFACE_ASSIGN_OR_RETURN(store->Directory,
+    OpenDirectory(files, folder, description,
+      store->Variables.GetNumberOfStored() *
+        static_cast<std::size_t>(store->Grid.GetNumberOfLevels()),
+      place));
   return store;
 }
 
@@ -101,12 +99,12 @@ Result<std::unique_ptr<BlockDirectory>> BlockStore::OpenDirectory(FileSystem& fi
   const std::string& folder, const StoreDescription& description, std::size_t segments,
   SamplePlace place)
 {
-  auto directory = BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks,
-    segments, description.Checksum, PageCacheBytes, place);
-  ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto directory,
+    BlockDirectory::Open(files, GetDirectoryPath(folder), description.Blocks, segments,
+      description.Checksum, PageCacheBytes, place));
   if (!description.Seals.empty())
   {
-    ISOSURFACE_RETURN_IF_ERROR((*directory)->CheckSeal(description.Seals.front()));
+    ISOSURFACE_RETURN_IF_ERROR(directory->CheckSeal(description.Seals.front()));
   }
   return directory;
 }
@@ -118,10 +116,10 @@ Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)
   if (!tree)
   {
     const std::string path = GetTreePath(this->Folder, this->Variables, variable);
-    auto opened = ExternalIntervalTree::Open(this->Files, path, PageCacheBytes);
-    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR(CheckTree(**opened, this->Description, variable));
-    tree = std::move(*opened);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto opened, ExternalIntervalTree::Open(this->Files, path, PageCacheBytes));
+    ISOSURFACE_RETURN_IF_ERROR(CheckTree(*opened, this->Description, variable));
+    tree = std::move(opened);
   }
   return const_cast<const ExternalIntervalTree*>(tree.get());
 }
@@ -129,8 +127,7 @@ Result<const ExternalIntervalTree*> BlockStore::GetTree(std::size_t variable)
 Result<std::vector<std::uint32_t>> BlockStore::FindActive(
   std::size_t variable, const std::vector<double>& isovalues, QueryStatistics& statistics)
 {
-  const auto tree = this->GetTree(variable);
-  ISOSURFACE_RETURN_IF_ERROR(tree.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto tree, this->GetTree(variable));
   std::vector<std::uint32_t> ordinals;
   PageStatistics pages;
   Status status;
@@ -145,7 +142,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindActive(
         ordinals.push_back(interval.Payload);
       }
     };
-    status = (*tree)->FindStabbed(key, visit, pages);
+    status = tree->FindStabbed(key, visit, pages);
     if (!status.IsOk())
     {
       break;
@@ -164,8 +161,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindInside(
 {
   std::vector<std::uint32_t> ordinals;
   const std::vector<ValueKey> keys = FindThresholdKeys(this->Variables[variable].Type, isovalues);
-  const auto tree = this->GetTree(variable);
-  ISOSURFACE_RETURN_IF_ERROR(tree.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto tree, this->GetTree(variable));
   if (keys.empty())
   {
     return ordinals;
@@ -181,7 +177,7 @@ Result<std::vector<std::uint32_t>> BlockStore::FindInside(
     }
   };
   const Status status =
-    (*tree)->FindOverlapping(keys.front(), std::numeric_limits<ValueKey>::max(), visit, pages);
+    tree->FindOverlapping(keys.front(), std::numeric_limits<ValueKey>::max(), visit, pages);
   statistics.TreePagesRead += pages.PageReads;
   statistics.TreePageCacheHits += pages.CacheHits;
   ISOSURFACE_RETURN_IF_ERROR(status);
@@ -198,18 +194,16 @@ Result<BlockDirectoryEntry> BlockStore::FindEntry(
 
 Result<std::int64_t> BlockStore::FindBlock(std::uint32_t ordinal, QueryStatistics& statistics) const
 {
-  const auto entry = this->FindEntry(ordinal, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-  return entry->Block;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto entry, this->FindEntry(ordinal, statistics));
+  return entry.Block;
 }
 
 Result<DecodedBlocks> BlockStore::ReadAdjacent(std::uint32_t ordinal, std::int64_t block,
   std::size_t first, std::size_t count, int level, QueryStatistics& statistics) const
 {
-  const auto entry = this->FindEntry(ordinal, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-  return entry->Block == block
-    ? this->Records->Read(*entry, first, count, level, statistics)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto entry, this->FindEntry(ordinal, statistics));
+  return entry.Block == block
+    ? this->Records->Read(entry, first, count, level, statistics)
     : Status(StatusCode::Corrupt,
         this->Records->GetPath() + ": block number " + std::to_string(ordinal) + " is not block " +
           std::to_string(block));

@@ -39,10 +39,8 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& pa
   return RunWithinMemory(path, NoMemoryReason,
     [&]() -> Result<std::shared_ptr<BlockedVolume>>
     {
-      const auto text = BlockedVolumeHeader::ReadText(fileSystem, path);
-      ISOSURFACE_RETURN_IF_ERROR(text.GetStatus());
-      auto header = BlockedVolumeHeader::Parse(*text, path);
-      ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto text, BlockedVolumeHeader::ReadText(fileSystem, path));
+      ISOSURFACE_ASSIGN_OR_RETURN(auto header, BlockedVolumeHeader::Parse(text, path));
       const std::string stores = GetStoresFolder(fileSystem, path);
       if (!fileSystem.Exists(stores))
       {
@@ -50,7 +48,7 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& pa
           path + ": its folder " + stores + " is missing; copy or move both together");
       }
       return std::shared_ptr<BlockedVolume>(
-        new BlockedVolume({ path, *text, std::move(*header) }, fileSystem, cache, opener));
+        new BlockedVolume({ path, text, std::move(header) }, fileSystem, cache, opener));
     });
 }
 
@@ -103,11 +101,11 @@ Result<std::vector<BlockReference>> BlockedVolume::ListBlocks(
       for (; replica.Store < header.NumberOfStores; ++replica.Store)
       {
         replica.Replica = this->GetFaults().FindBest(replica, header.NumberOfReplicas).front();
-        const auto all = this->Stores->ReadReplicas(replica, StoreFault::Whole,
-          [&](BlockStore& store)
-          { return isosurface::ListBlocks(store, replica.Store, replica.Part, statistics); });
-        ISOSURFACE_RETURN_IF_ERROR(all.GetStatus());
-        blocks.insert(blocks.end(), all->begin(), all->end());
+        ISOSURFACE_ASSIGN_OR_RETURN(const auto all,
+          this->Stores->ReadReplicas(replica, StoreFault::Whole,
+            [&](BlockStore& store)
+            { return isosurface::ListBlocks(store, replica.Store, replica.Part, statistics); }));
+        blocks.insert(blocks.end(), all.begin(), all.end());
       }
       return blocks;
     });
@@ -129,9 +127,9 @@ Result<std::shared_ptr<const DecodedBlock>> BlockedVolume::ReadBlock(
   const BlockReference& reference, std::size_t timeStep, std::size_t variable, int level,
   QueryStatistics& statistics)
 {
-  const auto blocks = this->ReadVariables(reference, timeStep, { variable }, level, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  return blocks->front();
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto blocks, this->ReadVariables(reference, timeStep, { variable }, level, statistics));
+  return blocks.front();
 }
 
 void BlockedVolume::Expect(const std::vector<BlockReference>& blocks, std::size_t timeStep,
@@ -270,9 +268,8 @@ Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& referen
       DecodedBlocks blocks;
       for (const std::size_t variable : variables)
       {
-        auto block = reading.Get(variable);
-        ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
-        blocks.push_back(std::move(*block));
+        ISOSURFACE_ASSIGN_OR_RETURN(auto block, reading.Get(variable));
+        blocks.push_back(std::move(block));
       }
       return blocks;
     });
@@ -306,25 +303,25 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
   std::size_t timeStep, std::size_t variable, int level)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
-  const auto spectra = RunWithinMemory(this->GetPath(), NoMemoryReason,
-    [&] { return this->Stores->GetSpectra(timeStep, this->FindLevel(level).Part); });
-  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
-  return (*spectra)->GetTotal(variable);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra,
+    RunWithinMemory(this->GetPath(), NoMemoryReason,
+      [&] { return this->Stores->GetSpectra(timeStep, this->FindLevel(level).Part); }));
+  return spectra->GetTotal(variable);
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetStoreSpectrum(
   std::size_t timeStep, std::size_t variable, std::uint32_t store)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, 0));
-  const auto spectra = RunWithinMemory(
-    this->GetPath(), NoMemoryReason, [&] { return this->Stores->GetSpectra(timeStep, 0); });
-  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra,
+    RunWithinMemory(
+      this->GetPath(), NoMemoryReason, [&] { return this->Stores->GetSpectra(timeStep, 0); }));
   if (store >= this->GetHeader().NumberOfStores)
   {
     return Status(
       StatusCode::InvalidArgument, this->GetPath() + ": has no store " + std::to_string(store));
   }
-  auto spectrum = (*spectra)->GetStore(variable, store);
+  auto spectrum = spectra->GetStore(variable, store);
   if (!spectrum.IsOk())
   {
     ISOSURFACE_RETURN_IF_ERROR(this->Stores->CheckNotRewritten(timeStep));
@@ -337,10 +334,10 @@ Result<double> BlockedVolume::EstimateTriangles(
 {
   const auto count = [&](int ofLevel) -> Result<double>
   {
-    const auto spectrum = this->GetSpectrum(timeStep, variable, ofLevel);
-    ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-    const std::vector<std::uint64_t>& triangles = (*spectrum)->Triangles;
-    return triangles.empty() ? 0.0 : static_cast<double>(triangles[(*spectrum)->FindBin(isovalue)]);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto spectrum, this->GetSpectrum(timeStep, variable, ofLevel));
+    const std::vector<std::uint64_t>& triangles = spectrum->Triangles;
+    return triangles.empty() ? 0.0 : static_cast<double>(triangles[spectrum->FindBin(isovalue)]);
   };
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   const StoredLevel stored = this->FindLevel(level);

@@ -382,11 +382,11 @@ Json FormatTimeStep(const TimeStepDescription& step, const ArrayVariables& varia
 Result<BlockedVolumeHeader> ParseText(
   const std::string& text, const std::string& path, StoreLists* lists)
 {
-  const auto document = ParseDocument(
-    text, path, FormatName, BlockedVolumeHeader::FormatVersion, lists ? &lists->Rest : nullptr);
-  ISOSURFACE_RETURN_IF_ERROR(document.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto document,
+    ParseDocument(
+      text, path, FormatName, BlockedVolumeHeader::FormatVersion, lists ? &lists->Rest : nullptr));
   Status status;
-  JsonMembers members(*document, path, "", status);
+  JsonMembers members(document, path, "", status);
   BlockedVolumeHeader header;
   header.Grid = ReadGrid(members.GetObject("grid"));
   header.Lines = ReadLines(members.GetObject("grid"));
@@ -484,15 +484,14 @@ Result<BlockedVolumeHeader> BlockedVolumeHeader::Parse(
 
 Result<std::string> BlockedVolumeHeader::ReadText(FileSystem& files, const std::string& path)
 {
-  const auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  const std::uint64_t size = (*file)->GetSize();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, files.OpenForReading(path));
+  const std::uint64_t size = file->GetSize();
   if (size > MaximumSize)
   {
     return Status(StatusCode::Corrupt, path + ": is larger than a header can be");
   }
   std::string text(static_cast<std::size_t>(size), '\0');
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(0, text.size(), text.data()));
   return text;
 }
 

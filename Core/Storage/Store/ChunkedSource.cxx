@@ -37,36 +37,36 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
     return Status::Ok();
   }
   const auto cache = std::make_shared<BlockCache>(0);
-  auto samples = SourceSamples::OpenNew(files, opener, path, name, record, grid, arrays, cache);
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  const std::uint64_t ofThread = std::max<std::uint64_t>(1, (*samples)->GetThreadBytes());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto samples, SourceSamples::OpenNew(files, opener, path, name, record, grid, arrays, cache));
+  const std::uint64_t ofThread = std::max<std::uint64_t>(1, samples->GetThreadBytes());
   const auto countThreads = [&](std::int64_t slices)
   {
-    const std::uint64_t kept = (*samples)->GetSlabBytes(slices);
+    const std::uint64_t kept = samples->GetSlabBytes(slices);
     const std::uint64_t left = decoding.MemoryBytes - std::min(decoding.MemoryBytes, kept);
     return static_cast<int>(
       std::min<std::uint64_t>(static_cast<std::uint64_t>(decoding.Threads), left / ofThread));
   };
   // Several slices have chunks for all threads, also where each is one chunk.
   constexpr std::int64_t enough = 16;
-  std::int64_t slices = std::max(enough, (*samples)->GetChunkSlices());
+  std::int64_t slices = std::max(enough, samples->GetChunkSlices());
   if (countThreads(slices) < fewest)
   {
-    slices = (*samples)->GetChunkSlices();
+    slices = samples->GetChunkSlices();
   }
   const int threads = countThreads(slices);
   if (threads < fewest)
   {
     return Status::Ok();
   }
-  const std::uint64_t kept = (*samples)->GetSlabBytes(slices);
+  const std::uint64_t kept = samples->GetSlabBytes(slices);
   cache->SetBudget(kept);
   if (decoding.IsShared)
   {
-    (*samples)->ShareWith(BlockCache::GetProcessCache(), decoding.IsShared);
+    samples->ShareWith(BlockCache::GetProcessCache(), decoding.IsShared);
   }
   std::unique_ptr<ChunkedSource> chunked(new ChunkedSource);
-  chunked->Samples = std::move(*samples);
+  chunked->Samples = std::move(samples);
   chunked->Source = std::move(source);
   chunked->Types = ArrayVariables(arrays).GetStoredTypes();
   chunked->HeldBytes = kept + static_cast<std::uint64_t>(threads) * ofThread;

@@ -51,9 +51,8 @@ public:
     }
     for (const std::size_t array : this->Attributes)
     {
-      auto components = this->ReadArray(number, array);
-      ISOSURFACE_RETURN_IF_ERROR(components.GetStatus());
-      blocks->insert(blocks->end(), components->begin(), components->end());
+      ISOSURFACE_ASSIGN_OR_RETURN(auto components, this->ReadArray(number, array));
+      blocks->insert(blocks->end(), components.begin(), components.end());
     }
     return MakeBlockSamples(std::move(*blocks), this->Variables, this->Attributes);
   }
@@ -139,11 +138,10 @@ Status FinishedLayers::OpenSamples()
   const std::lock_guard<std::mutex> lock(this->OpeningMutex);
   if (!this->Samples)
   {
-    auto samples = SourceSamples::Open(this->Files, this->Opener, this->Path,
-      *this->Header.TimeSteps.back().Source, this->Header.Grid, this->Header.Arrays,
-      BlockCache::GetProcessCache());
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    this->Samples = std::move(*samples);
+    ISOSURFACE_ASSIGN_OR_RETURN(this->Samples,
+      SourceSamples::Open(this->Files, this->Opener, this->Path,
+        *this->Header.TimeSteps.back().Source, this->Header.Grid, this->Header.Arrays,
+        BlockCache::GetProcessCache()));
   }
   return Status::Ok();
 }
@@ -196,9 +194,8 @@ Result<FinishedLayers::ReadComponents> FinishedLayers::OpenRecords(
   const auto records = std::make_shared<std::map<std::int64_t, Record>>(); // by block
   for (auto& [folder, entries] : wanted)
   {
-    auto store = StoreRecords::Open(this->Files, folder, this->Header);
-    ISOSURFACE_RETURN_IF_ERROR(store.GetStatus());
-    const std::shared_ptr<StoreRecords> shared = std::move(*store);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto store, StoreRecords::Open(this->Files, folder, this->Header));
+    const std::shared_ptr<StoreRecords> shared = std::move(store);
     for (BlockDirectoryEntry& entry : entries)
     {
       const std::int64_t block = entry.Block;
@@ -265,9 +262,7 @@ Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(const BlockQuery
   }
   else
   {
-    auto records = this->OpenRecords(blocks);
-    ISOSURFACE_RETURN_IF_ERROR(records.GetStatus());
-    read = std::move(*records);
+    ISOSURFACE_ASSIGN_OR_RETURN(read, this->OpenRecords(blocks));
   }
   return std::unique_ptr<BlockSource>(std::make_unique<Blocks>(
     this->Header, query.Variable, attributes, std::move(blocks), std::move(read)));

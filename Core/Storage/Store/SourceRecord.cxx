@@ -154,22 +154,20 @@ Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
   record.Within = name.Within;
   record.Axes = wanted.Axes;
   record.Step = wanted.Step;
-  const auto volume = OpenSource(files, opener, header, text, record.MakeChoice(wanted.Arrays));
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  const std::string difference = FindDifference(*volume, grid, arrays);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto volume, OpenSource(files, opener, header, text, record.MakeChoice(wanted.Arrays)));
+  const std::string difference = FindDifference(volume, grid, arrays);
   if (!difference.empty())
   {
     return Status(StatusCode::InvalidArgument, text + ": cannot be indexed: " + difference);
   }
-  record.Chunk = volume->Source->GetChunk();
-  for (const ArrayDescription& array : volume->Arrays)
+  record.Chunk = volume.Source->GetChunk();
+  for (const ArrayDescription& array : volume.Arrays)
   {
     record.Arrays.push_back(array.Name);
   }
-  record.Metadata = ComputeMetadata(*volume);
-  const auto state = FindStateOfAll(files, volume->Files);
-  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-  record.State = *state;
+  record.Metadata = ComputeMetadata(volume);
+  ISOSURFACE_ASSIGN_OR_RETURN(record.State, FindStateOfAll(files, volume.Files));
   return record;
 }
 
@@ -191,21 +189,20 @@ Status CheckSource(FileSystem& files, VolumeOpener opener, const std::string& he
     ISOSURFACE_RETURN_IF_ERROR(files.CheckRegular(path, "read"));
   }
   const VolumeName name = { path, record.Within };
-  const auto volume =
-    OpenSource(files, opener, header, name.GetText(), record.MakeChoice(record.Arrays));
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  std::string difference = FindDifference(*volume, grid, arrays);
-  for (std::size_t array = 0; difference.empty() && array < volume->Arrays.size(); ++array)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto volume,
+    OpenSource(files, opener, header, name.GetText(), record.MakeChoice(record.Arrays)));
+  std::string difference = FindDifference(volume, grid, arrays);
+  for (std::size_t array = 0; difference.empty() && array < volume.Arrays.size(); ++array)
   {
-    difference = volume->Arrays[array].Name == record.Arrays[array]
+    difference = volume.Arrays[array].Name == record.Arrays[array]
       ? ""
       : "it has no array \"" + record.Arrays[array] + "\"";
   }
-  if (difference.empty() && ComputeMetadata(*volume) != record.Metadata)
+  if (difference.empty() && ComputeMetadata(volume) != record.Metadata)
   {
     difference = "its samples are stored otherwise";
   }
-  return difference.empty() ? CheckSourceFiles(files, header, name.GetText(), record, volume->Files)
+  return difference.empty() ? CheckSourceFiles(files, header, name.GetText(), record, volume.Files)
                             : MakeChanged(name.GetText(), header, difference);
 }
 
@@ -216,13 +213,12 @@ Status CheckSourceFiles(FileSystem& files, const std::string& header, const std:
   {
     return Status::Ok();
   }
-  const auto state = FindStateOfAll(files, paths);
-  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-  const std::string difference = state->Files != record.State.Files
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto state, FindStateOfAll(files, paths));
+  const std::string difference = state.Files != record.State.Files
     ? "it has another number of files"
-    : state->Bytes != record.State.Bytes       ? "it has another size"
-    : state->Modified != record.State.Modified ? "it was modified at another time"
-                                               : "";
+    : state.Bytes != record.State.Bytes       ? "it has another size"
+    : state.Modified != record.State.Modified ? "it was modified at another time"
+                                              : "";
   return difference.empty() ? Status::Ok() : MakeChanged(name, header, difference);
 }
 
@@ -231,20 +227,18 @@ Result<FileState> FindStateOfAll(FileSystem& files, const std::vector<std::strin
   FileState all;
   for (const std::string& path : paths)
   {
-    const auto state = files.FindState(path);
-    ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-    all.Modified = all.Files == 0 ? state->Modified : std::max(all.Modified, state->Modified);
-    all.Files += state->Files;
-    all.Bytes += state->Bytes;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto state, files.FindState(path));
+    all.Modified = all.Files == 0 ? state.Modified : std::max(all.Modified, state.Modified);
+    all.Files += state.Files;
+    all.Bytes += state.Bytes;
   }
   return all;
 }
 
 Result<SourceFiles> SourceFiles::Find(FileSystem& files, std::vector<std::string> paths)
 {
-  auto state = FindStateOfAll(files, paths);
-  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-  return SourceFiles{ std::move(paths), *state };
+  ISOSURFACE_ASSIGN_OR_RETURN(auto state, FindStateOfAll(files, paths));
+  return SourceFiles{ std::move(paths), state };
 }
 
 std::string MakeRelativePath(const std::string& header, const std::string& path)

@@ -68,16 +68,15 @@ Result<std::shared_ptr<SourceSamples>> SourceSamples::OpenNew(FileSystem& files,
     array.Type = described.Type;
     array.FirstComponent = samples->ArrayOf.size();
     array.Components = static_cast<std::size_t>(described.Components);
-    auto source = samples->OpenArray(array, &samples->Paths);
-    ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-    array.Chunk = (*source)->GetChunk().value_or(samples->Box.High);
+    ISOSURFACE_ASSIGN_OR_RETURN(auto source, samples->OpenArray(array, &samples->Paths));
+    array.Chunk = source->GetChunk().value_or(samples->Box.High);
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
       array.Chunks[axis] = (samples->Box.High[axis] - 1) / array.Chunk[axis] + 1;
     }
-    array.HeldBytes = (*source)->GetHeldBytes();
-    array.Parent = (*source)->Fork();
-    array.Idle.push_back(std::move(*source));
+    array.HeldBytes = source->GetHeldBytes();
+    array.Parent = source->Fork();
+    array.Idle.push_back(std::move(source));
     samples->ArrayOf.resize(samples->ArrayOf.size() + array.Components, samples->Arrays.size());
     samples->Arrays.push_back(std::move(array));
   }
@@ -99,13 +98,13 @@ Status SourceSamples::MakeChanged(std::int64_t block) const
 Result<std::unique_ptr<BoxSource>> SourceSamples::OpenArray(
   const Array& array, std::vector<std::string>* paths) const
 {
-  auto volume = OpenSource(
-    this->Files, this->Opener, this->Volume, this->Name, this->Record.MakeChoice({ array.Name }));
-  ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
-  const bool isThere = volume->Arrays.size() == 1 && volume->Arrays[0].Name == array.Name &&
-    volume->Arrays[0].Type == array.Type &&
-    static_cast<std::size_t>(volume->Arrays[0].Components) == array.Components &&
-    volume->Grid.GetDimensions() == this->Box.High;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto volume,
+    OpenSource(this->Files, this->Opener, this->Volume, this->Name,
+      this->Record.MakeChoice({ array.Name })));
+  const bool isThere = volume.Arrays.size() == 1 && volume.Arrays[0].Name == array.Name &&
+    volume.Arrays[0].Type == array.Type &&
+    static_cast<std::size_t>(volume.Arrays[0].Components) == array.Components &&
+    volume.Grid.GetDimensions() == this->Box.High;
   if (!isThere)
   {
     return Status(StatusCode::Corrupt,
@@ -113,9 +112,9 @@ Result<std::unique_ptr<BoxSource>> SourceSamples::OpenArray(
   }
   if (paths)
   {
-    *paths = volume->Files;
+    *paths = volume.Files;
   }
-  return std::move(volume->Source);
+  return std::move(volume.Source);
 }
 
 Result<std::unique_ptr<BoxSource>> SourceSamples::Take(Array& array)
@@ -151,11 +150,9 @@ VertexBox SourceSamples::FindChunkBox(const Array& array, const Index3& chunk) c
 
 Result<SourceSamples::Chunk> SourceSamples::DecodeChunk(Array& array, const VertexBox& box)
 {
-  auto source = this->Take(array);
-  ISOSURFACE_RETURN_IF_ERROR(source.GetStatus());
-  const auto samples = (*source)->Read(box);
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  if (!samples->Fits(std::vector<ValueType>(array.Components, array.Type), box))
+  ISOSURFACE_ASSIGN_OR_RETURN(auto source, this->Take(array));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, source->Read(box));
+  if (!samples.Fits(std::vector<ValueType>(array.Components, array.Type), box))
   {
     return Status(StatusCode::Corrupt, this->Name + ": has other samples than it states");
   }
@@ -165,7 +162,7 @@ Result<SourceSamples::Chunk> SourceSamples::DecodeChunk(Array& array, const Vert
   decoded->Bytes = Buffer<std::uint8_t>(
     static_cast<std::size_t>(box.GetNumberOfVertices()) * array.Components * size);
   std::uint8_t* to = decoded->Bytes.GetData();
-  for (const SampleView& view : samples->Arrays)
+  for (const SampleView& view : samples.Arrays)
   {
     const auto* first = static_cast<const std::uint8_t*>(view.First);
     for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
@@ -181,7 +178,7 @@ Result<SourceSamples::Chunk> SourceSamples::DecodeChunk(Array& array, const Vert
       }
     }
   }
-  this->GiveBack(array, std::move(*source));
+  this->GiveBack(array, std::move(source));
   return Chunk(std::move(decoded));
 }
 
@@ -220,13 +217,12 @@ BlockCacheKey SourceSamples::MakeKey(const Array& array, const Index3& chunk) co
 Status SourceSamples::CopyChunk(Array& array, const Index3& chunk, std::size_t component,
   const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics)
 {
-  const auto decoded = this->GetChunk(array, chunk, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto decoded, this->GetChunk(array, chunk, statistics));
   const std::size_t size = GetValueSize(array.Type);
   const VertexBox whole = this->FindChunkBox(array, chunk);
   const auto plane = static_cast<std::size_t>(whole.GetNumberOfVertices()) * size;
   CopyPart(
-    (*decoded)->Bytes.GetData() + (component - array.FirstComponent) * plane, whole, box, size, to);
+    decoded->Bytes.GetData() + (component - array.FirstComponent) * plane, whole, box, size, to);
   return Status::Ok();
 }
 

@@ -90,26 +90,24 @@ Status SpectraFile::Write(FileSystem& files, const std::string& path, std::uint6
   }
   AppendLittleEndian(header, ComputeChecksum(header.data(), header.size()));
 
-  auto file = files.CreateForWriting(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Append(header.data(), header.size()));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.CreateForWriting(path));
+  ISOSURFACE_RETURN_IF_ERROR(file->Append(header.data(), header.size()));
   for (std::size_t index = 0; index < sections.size(); ++index)
   {
     const Section& section = *sections[index];
     std::uint8_t checksum[ChecksumSize];
     StoreLittleEndian(checksum, ComputeChecksum(section.data(), section.size(), index));
-    ISOSURFACE_RETURN_IF_ERROR((*file)->Append(checksum, sizeof(checksum)));
-    ISOSURFACE_RETURN_IF_ERROR((*file)->Append(section.data(), section.size()));
+    ISOSURFACE_RETURN_IF_ERROR(file->Append(checksum, sizeof(checksum)));
+    ISOSURFACE_RETURN_IF_ERROR(file->Append(section.data(), section.size()));
   }
-  return (*file)->SyncAndClose();
+  return file->SyncAndClose();
 }
 
 Result<std::unique_ptr<SpectraFile>> SpectraFile::Open(FileSystem& files, const std::string& path,
   std::uint64_t identity, std::size_t variables, std::size_t stores)
 {
-  auto opened = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-  const RandomAccessFile& file = **opened;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto opened, files.OpenForReading(path));
+  const RandomAccessFile& file = *opened;
   std::unique_ptr<SpectraFile> spectra(new SpectraFile(files, path));
   const auto fail = [&](StatusCode code, const char* reason)
   { return spectra->Fail(code, reason); };
@@ -179,11 +177,10 @@ Status SpectraFile::ParseHeader(const std::vector<std::uint8_t>& header, std::ui
 
 Result<WorkloadSpectrum> SpectraFile::Read(std::size_t variable, std::size_t section) const
 {
-  const auto file = this->Files.OpenForReading(this->Path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, this->Files.OpenForReading(this->Path));
   const std::uint64_t begin = this->Ends[section];
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(this->Ends[section + 1] - begin));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(begin, bytes.size(), bytes.data()));
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(begin, bytes.size(), bytes.data()));
   if (LoadLittleEndian<std::uint64_t>(bytes.data()) !=
     ComputeChecksum(bytes.data() + ChecksumSize, bytes.size() - ChecksumSize, section))
   {

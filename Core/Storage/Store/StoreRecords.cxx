@@ -17,10 +17,9 @@ Result<std::unique_ptr<StoreRecords>> StoreRecords::Open(FileSystem& files,
   const std::string& folder, const BlockedVolumeHeader& header,
   std::shared_ptr<SourceSamples> source)
 {
-  auto file = files.OpenForReading(GetPath(folder));
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.OpenForReading(GetPath(folder)));
   return std::unique_ptr<StoreRecords>(
-    new StoreRecords(std::move(*file), header, std::move(source)));
+    new StoreRecords(std::move(file), header, std::move(source)));
 }
 
 StoreRecords::StoreRecords(std::unique_ptr<RandomAccessFile> file,
@@ -91,9 +90,9 @@ Result<DecodedBlocks> StoreRecords::Read(const BlockDirectoryEntry& entry, std::
   for (std::size_t variable = first; variable <= last; ++variable)
   {
     const std::uint64_t segment = entry.Offset + entry.FindSegment(variable * levels);
-    auto decoded = this->Decode(entry, variable, level, bytes.GetData() + (segment - range.Begin));
-    ISOSURFACE_RETURN_IF_ERROR(decoded.GetStatus());
-    blocks.push_back(std::move(*decoded));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto decoded,
+      this->Decode(entry, variable, level, bytes.GetData() + (segment - range.Begin)));
+    blocks.push_back(std::move(decoded));
   }
   return blocks;
 }

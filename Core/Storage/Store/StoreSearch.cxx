@@ -23,9 +23,8 @@ Result<References> MakeReferences(const BlockStore& store, std::uint32_t number,
   References references;
   for (std::uint64_t index = begin; index < end; ++index)
   {
-    const auto block = store.FindBlock(ordinals[index], statistics);
-    ISOSURFACE_RETURN_IF_ERROR(block.GetStatus());
-    references.push_back({ *block, number, ordinals[index], part, 0 });
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto block, store.FindBlock(ordinals[index], statistics));
+    references.push_back({ block, number, ordinals[index], part, 0 });
   }
   return references;
 }
@@ -36,14 +35,14 @@ Result<References> FindActiveBlocks(BlockStore& store, const VolumeLayout& layou
   const BlockQuery& query, const StoreSpan& span, int level, QueryStatistics& statistics)
 {
   const StoredLevel stored = layout.FindLevel(level);
-  const auto active = store.FindActive(query.Variable, query.Isovalues, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto active, store.FindActive(query.Variable, query.Isovalues, statistics));
   if (query.Selection.IsPlain())
   {
-    return MakeReferences(store, span.Store, stored.Part, *active, span.FindBegin(active->size()),
-      span.FindEnd(active->size()), statistics);
+    return MakeReferences(store, span.Store, stored.Part, active, span.FindBegin(active.size()),
+      span.FindEnd(active.size()), statistics);
   }
-  std::vector<std::uint32_t> candidates = *active;
+  std::vector<std::uint32_t> candidates = active;
   if (query.Selection.ClosedSides.AreBeyondInside)
   {
     candidates.resize(static_cast<std::size_t>(store.GetNumberOfBlocks()));
@@ -51,28 +50,27 @@ Result<References> FindActiveBlocks(BlockStore& store, const VolumeLayout& layou
   }
   else if (!query.Selection.ClosedSides.IsEmpty())
   {
-    const auto inside = store.FindInside(query.Variable, query.Isovalues, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(inside.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto inside, store.FindInside(query.Variable, query.Isovalues, statistics));
     candidates.clear();
-    std::set_union(active->begin(), active->end(), inside->begin(), inside->end(),
-      std::back_inserter(candidates));
+    std::set_union(
+      active.begin(), active.end(), inside.begin(), inside.end(), std::back_inserter(candidates));
   }
-  auto found =
-    MakeReferences(store, span.Store, stored.Part, candidates, 0, candidates.size(), statistics);
-  ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto found,
+    MakeReferences(store, span.Store, stored.Part, candidates, 0, candidates.size(), statistics));
   const GridGeometry geometry = layout.GetHeader().Grid.Coarsen(level);
   BlockSelection selection = query.Selection;
   selection.Lines = layout.GetLines(level);
   const auto isLeftOut = [&](const BlockReference& block)
   {
-    const bool isActive = std::binary_search(active->begin(), active->end(), block.Ordinal);
+    const bool isActive = std::binary_search(active.begin(), active.end(), block.Ordinal);
     return !selection.Selects(
       geometry, stored.Grid->GetVertices(block.Block, stored.Level), isActive);
   };
-  found->erase(std::remove_if(found->begin(), found->end(), isLeftOut), found->end());
-  const auto first = found->begin();
-  return References(first + static_cast<std::ptrdiff_t>(span.FindBegin(found->size())),
-    first + static_cast<std::ptrdiff_t>(span.FindEnd(found->size())));
+  found.erase(std::remove_if(found.begin(), found.end(), isLeftOut), found.end());
+  const auto first = found.begin();
+  return References(first + static_cast<std::ptrdiff_t>(span.FindBegin(found.size())),
+    first + static_cast<std::ptrdiff_t>(span.FindEnd(found.size())));
 }
 
 Result<References> ListBlocks(

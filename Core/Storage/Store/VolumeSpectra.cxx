@@ -38,15 +38,13 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& fil
   const std::string& volumePath, const TimeStepDescription& step, std::size_t variables)
 {
   auto result = std::make_shared<VolumeSpectra>();
-  auto file = SpectraFile::Open(files, GetPath(files, volumePath, step.Folder), GetIdentity(step),
-    variables, step.Stores.size());
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  result->File = std::move(*file);
+  ISOSURFACE_ASSIGN_OR_RETURN(result->File,
+    SpectraFile::Open(files, GetPath(files, volumePath, step.Folder), GetIdentity(step), variables,
+      step.Stores.size()));
   for (std::size_t variable = 0; variable < variables; ++variable)
   {
-    auto total = result->File->ReadTotal(variable);
-    ISOSURFACE_RETURN_IF_ERROR(total.GetStatus());
-    result->Totals.push_back(Share(std::move(*total)));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto total, result->File->ReadTotal(variable));
+    result->Totals.push_back(Share(std::move(total)));
   }
   return std::shared_ptr<const VolumeSpectra>(std::move(result));
 }
@@ -54,9 +52,8 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeSpectra::Read(FileSystem& fil
 Result<VolumeSpectra::Spectrum> VolumeSpectra::GetStore(
   std::size_t variable, std::size_t store) const
 {
-  auto spectrum = this->File->ReadStore(variable, store);
-  ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-  return Share(std::move(*spectrum));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto spectrum, this->File->ReadStore(variable, store));
+  return Share(std::move(spectrum));
 }
 
 } // namespace isosurface

@@ -231,11 +231,10 @@ Result<StoreWork> VolumeStores::FindStoreWork(const BlockQuery& query, std::uint
 
 Result<StoreWork> VolumeStores::SumTriangles(const BlockQuery& query, std::uint32_t part)
 {
-  const auto spectra = this->GetSpectra(query.TimeStep, part);
-  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra, this->GetSpectra(query.TimeStep, part));
   const std::lock_guard<std::mutex> lock(this->WorkMutex);
   ISOSURFACE_RETURN_IF_ERROR(this->ReadStoreWork(query, part));
-  const WorkloadSpectrum& total = *(*spectra)->GetTotal(query.Variable);
+  const WorkloadSpectrum& total = *spectra->GetTotal(query.Variable);
   const std::uint32_t stores = this->Layout.GetParts()[part].Header.NumberOfStores;
   StoreWork work;
   work.Triangles.assign(stores, 0);
@@ -261,13 +260,12 @@ Status VolumeStores::ReadStoreWork(const BlockQuery& query, std::uint32_t part)
   {
     return Status::Ok();
   }
-  const auto spectra = this->GetSpectra(query.TimeStep, part);
-  ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra, this->GetSpectra(query.TimeStep, part));
   std::vector<std::vector<std::uint64_t>> triangles;
   for (std::uint32_t store = 0; store < this->Layout.GetParts()[part].Header.NumberOfStores;
        ++store)
   {
-    const auto spectrum = (*spectra)->GetStore(query.Variable, store);
+    const auto spectrum = spectra->GetStore(query.Variable, store);
     if (!spectrum.IsOk())
     {
       ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(query.TimeStep));
@@ -295,9 +293,7 @@ Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(const StoreReplica& r
   std::shared_ptr<SourceSamples> source;
   if (step.Source)
   {
-    const auto samples = this->GetSource(replica.TimeStep);
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-    source = *samples;
+    ISOSURFACE_ASSIGN_OR_RETURN(source, this->GetSource(replica.TimeStep));
   }
   auto opened = BlockStore::Open(this->Files,
     GetReplicaFolder(this->Files, this->Layout.GetPath(), step.Folder, replica.Store,
@@ -322,10 +318,9 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   {
     const VolumePart& part = this->Layout.GetParts().front();
     const BlockedVolumeHeader& header = part.Header;
-    auto opened = SourceSamples::Open(this->Files, this->Opener, this->Layout.GetPath(),
-      *header.TimeSteps[timeStep].Source, header.Grid, header.Arrays, this->Cache);
-    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-    kept = *opened;
+    ISOSURFACE_ASSIGN_OR_RETURN(kept,
+      SourceSamples::Open(this->Files, this->Opener, this->Layout.GetPath(),
+        *header.TimeSteps[timeStep].Source, header.Grid, header.Arrays, this->Cache));
   }
   return kept;
 }

@@ -260,17 +260,16 @@ bool MergedStore::IsIntact(const RandomAccessFile& file, const BlockDirectoryEnt
 template <typename Visit>
 Status MergedStore::VisitEntries(const Visit& visit)
 {
-  const auto directory = BlockStore::OpenDirectory(
-    *this, this->Folders.front(), this->Description, this->Segments, this->Place);
-  ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto directory,
+    BlockStore::OpenDirectory(
+      *this, this->Folders.front(), this->Description, this->Segments, this->Place));
   QueryStatistics statistics;
   for (std::uint64_t ordinal = 0; ordinal < this->Description.Blocks; ++ordinal)
   {
-    const auto entry =
-      (*directory)
-        ->Read(ordinal, this->Grid.GetNumberOfBlocks(), this->Description.Bytes, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
-    visit(*entry);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto entry,
+      directory->Read(
+        ordinal, this->Grid.GetNumberOfBlocks(), this->Description.Bytes, statistics));
+    visit(entry);
   }
   return Status::Ok();
 }

@@ -31,22 +31,21 @@ Status CheckReplicas(FileSystem& files, const BlockedVolumeHeader& header,
   int threads)
 {
   MergedStore merged(files, header, step, store, folders);
-  const auto lost = merged.FindLostBlocks();
-  ISOSURFACE_RETURN_IF_ERROR(lost.GetStatus());
-  if (!lost->empty())
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto lost, merged.FindLostBlocks());
+  if (!lost.empty())
   {
     constexpr std::size_t listed = 100;
     std::string blocks;
-    for (std::size_t index = 0; index < std::min(listed, lost->size()); ++index)
+    for (std::size_t index = 0; index < std::min(listed, lost.size()); ++index)
     {
-      blocks += (index == 0 ? "" : ", ") + std::to_string((*lost)[index]);
+      blocks += (index == 0 ? "" : ", ") + std::to_string(lost[index]);
     }
-    if (lost->size() > listed)
+    if (lost.size() > listed)
     {
-      blocks += " and " + std::to_string(lost->size() - listed) + " more";
+      blocks += " and " + std::to_string(lost.size() - listed) + " more";
     }
     return Status(StatusCode::Corrupt,
-      folders.front() + ": no replica has " + (lost->size() == 1 ? "block " : "the blocks ") +
+      folders.front() + ": no replica has " + (lost.size() == 1 ? "block " : "the blocks ") +
         blocks);
   }
   const std::vector<Status> faults =

@@ -52,19 +52,17 @@ void StoreVerification::Open()
 
 Status StoreVerification::OpenFiles()
 {
-  auto blocks = this->Files.OpenForReading(StoreRecords::GetPath(this->Folder));
-  ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  this->Blocks = std::move(*blocks);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    this->Blocks, this->Files.OpenForReading(StoreRecords::GetPath(this->Folder)));
   if (this->Blocks->GetSize() != this->Description.Bytes)
   {
     this->OpenFaults.push_back(
       this->MakeFault("has " + std::to_string(this->Blocks->GetSize()) + " bytes instead of the " +
         std::to_string(this->Description.Bytes) + " that the header states"));
   }
-  auto directory = BlockStore::OpenDirectory(
-    this->Files, this->Folder, this->Description, this->Segments, this->Place);
-  ISOSURFACE_RETURN_IF_ERROR(directory.GetStatus());
-  this->Directory = std::move(*directory);
+  ISOSURFACE_ASSIGN_OR_RETURN(this->Directory,
+    BlockStore::OpenDirectory(
+      this->Files, this->Folder, this->Description, this->Segments, this->Place));
   return Status::Ok();
 }
 
@@ -90,14 +88,14 @@ void StoreVerification::OpenTree(std::size_t variable)
 Status StoreVerification::ReadTree(std::size_t variable, std::vector<KeyRange>& ranges) const
 {
   const std::string path = this->GetTreePath(variable);
-  const auto tree = ExternalIntervalTree::Open(this->Files, path, BlockStore::PageCacheBytes);
-  ISOSURFACE_RETURN_IF_ERROR(tree.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(BlockStore::CheckTree(**tree, this->Description, variable));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto tree, ExternalIntervalTree::Open(this->Files, path, BlockStore::PageCacheBytes));
+  ISOSURFACE_RETURN_IF_ERROR(BlockStore::CheckTree(*tree, this->Description, variable));
   PageStatistics pages;
-  ISOSURFACE_RETURN_IF_ERROR((*tree)->Verify(pages));
+  ISOSURFACE_RETURN_IF_ERROR(tree->Verify(pages));
   bool isKnown = true;
   ranges.resize(static_cast<std::size_t>(this->Description.Blocks));
-  ISOSURFACE_RETURN_IF_ERROR((*tree)->FindOverlapping(
+  ISOSURFACE_RETURN_IF_ERROR(tree->FindOverlapping(
     0, std::numeric_limits<ValueKey>::max(),
     [&](const KeyInterval& interval)
     {
@@ -134,29 +132,28 @@ void StoreVerification::CheckRun(std::uint64_t run)
 Status StoreVerification::CheckRecord(std::uint64_t ordinal, std::vector<Status>& faults)
 {
   QueryStatistics statistics;
-  const auto entry = this->Directory->Read(
-    ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics);
-  ISOSURFACE_RETURN_IF_ERROR(entry.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto entry,
+    this->Directory->Read(
+      ordinal, this->Grid.GetNumberOfBlocks(), this->Blocks->GetSize(), statistics));
   const auto index = static_cast<std::size_t>(ordinal);
-  this->Numbers[index] = entry->Block;
+  this->Numbers[index] = entry.Block;
   if (this->Place == SamplePlace::Source)
   {
     this->Sizes[index] = this->Segments * BlockRecord::SegmentHeaderSize;
-    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry));
-    return this->CheckInPlace(*entry, ordinal, faults);
+    ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(entry));
+    return this->CheckInPlace(entry, ordinal, faults);
   }
-  const std::uint64_t size = entry->FindSegment(this->Segments);
+  const std::uint64_t size = entry.FindSegment(this->Segments);
   this->Sizes[index] = BlockRecord::AlignUp(size);
-  ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(*entry));
-  const std::uint64_t padded =
-    std::min(this->Sizes[index], this->Blocks->GetSize() - entry->Offset);
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(entry));
+  const std::uint64_t padded = std::min(this->Sizes[index], this->Blocks->GetSize() - entry.Offset);
   Buffer<std::uint8_t> record(static_cast<std::size_t>(padded));
-  ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Read(entry->Offset, record.GetSize(), record.GetData()));
-  this->CheckVariables(*entry, ordinal, record.GetData(), faults);
+  ISOSURFACE_RETURN_IF_ERROR(this->Blocks->Read(entry.Offset, record.GetSize(), record.GetData()));
+  this->CheckVariables(entry, ordinal, record.GetData(), faults);
   const bool isPadded = std::all_of(record.GetData() + size, record.GetData() + padded,
     [](std::uint8_t byte) { return byte == 0; });
   return isPadded ? Status::Ok()
-                  : this->MakeFault("block " + std::to_string(entry->Block) +
+                  : this->MakeFault("block " + std::to_string(entry.Block) +
                       ": the bytes after its record are not zero");
 }
 

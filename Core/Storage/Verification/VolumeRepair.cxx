@@ -114,26 +114,25 @@ private:
 Result<VolumeRepair> RepairBlockedVolume(
   const std::string& path, FileSystem& files, int threads, const Progress& progress)
 {
-  const auto header = BlockedVolumeHeader::Read(files, path);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  if (header->NumberOfReplicas == 1)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto header, BlockedVolumeHeader::Read(files, path));
+  if (header.NumberOfReplicas == 1)
   {
     return Status(StatusCode::InvalidArgument,
       path + ": cannot be repaired: it was written without replicas (--replicas)");
   }
   const auto lock = files.LockFolder(GetStoresFolder(files, path));
   ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
-  std::vector<BlockedVolumeHeader> parts = { *header };
-  double stores = header->NumberOfStores;
-  for (std::size_t overview = 0; overview < header->Overviews.size(); ++overview)
+  std::vector<BlockedVolumeHeader> parts = { header };
+  double stores = header.NumberOfStores;
+  for (std::size_t overview = 0; overview < header.Overviews.size(); ++overview)
   {
-    parts.push_back(header->MakeOverview(overview));
+    parts.push_back(header.MakeOverview(overview));
     stores += parts.back().NumberOfStores;
   }
-  stores *= static_cast<double>(header->TimeSteps.size());
+  stores *= static_cast<double>(header.TimeSteps.size());
   VolumeRepair done;
   double count = 0;
-  for (std::size_t step = 0; step < header->TimeSteps.size(); ++step)
+  for (std::size_t step = 0; step < header.TimeSteps.size(); ++step)
   {
     for (const BlockedVolumeHeader& part : parts)
     {

@@ -93,18 +93,17 @@ private:
   Status CheckSpectra(const BlockedVolumeHeader& header, const TimeStepDescription& step)
   {
     const std::size_t variables = header.GetVariables().GetCount();
-    const auto spectra = VolumeSpectra::Read(this->Files, this->Path, step, variables);
-    ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto spectra, VolumeSpectra::Read(this->Files, this->Path, step, variables));
     for (std::size_t variable = 0; variable < variables; ++variable)
     {
-      const WorkloadSpectrum& total = *(*spectra)->GetTotal(variable);
+      const WorkloadSpectrum& total = *spectra->GetTotal(variable);
       WorkloadSpectrum sum(total.Bins);
       bool hasSum = true;
       for (std::uint32_t store = 0; store < header.NumberOfStores; ++store)
       {
-        const auto spectrum = (*spectra)->GetStore(variable, store);
-        ISOSURFACE_RETURN_IF_ERROR(spectrum.GetStatus());
-        hasSum = sum.Add(**spectrum) && hasSum;
+        ISOSURFACE_ASSIGN_OR_RETURN(const auto spectrum, spectra->GetStore(variable, store));
+        hasSum = sum.Add(*spectrum) && hasSum;
       }
       if (!hasSum || !HaveEqualCounts(sum, total))
       {

@@ -149,21 +149,20 @@ Status BlockRangeScan::Scan(BoxSource& source, const std::vector<VertexBox>& own
   }
   for (std::size_t slab = 0; slab < slabs.size(); ++slab)
   {
-    const auto samples = next.get();
-    ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, next.get());
     if (slab + 1 < slabs.size())
     {
       next = read(slab + 1);
     }
-    if (!samples->Fits(this->Variables.GetStoredTypes(), slabs[slab]))
+    if (!samples.Fits(this->Variables.GetStoredTypes(), slabs[slab]))
     {
       return Status(
         StatusCode::InvalidArgument, "a rank's samples do not fit the grid or the arrays");
     }
-    this->AddSlab(*samples, slabs[slab]);
+    this->AddSlab(samples, slabs[slab]);
     if (this->Profiles)
     {
-      this->AddToProfiles(*samples, slabs[slab]);
+      this->AddToProfiles(samples, slabs[slab]);
     }
     if (progress && !progress(static_cast<double>(slab + 1) / static_cast<double>(slabs.size())))
     {

@@ -126,19 +126,18 @@ Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockSp
         load = this->GetLoad(spans);
         return Status::Ok();
       })));
-    std::vector<std::uint64_t> largest = { load };
-    this->Ranks.ReduceMaximum(largest);
-    if (largest[0] <= this->MemoryBytes)
+    const std::uint64_t largest = this->Ranks.Maximum(load);
+    if (largest <= this->MemoryBytes)
     {
       this->Plan.Take(spans);
-      this->LargestBytes = std::max(this->LargestBytes, largest[0]);
+      this->LargestBytes = std::max(this->LargestBytes, largest);
       ++this->Rounds;
       return Status::Ok();
     }
     if (this->BlocksAtOnce == 1)
     {
       return Status(StatusCode::InvalidArgument,
-        "the memory limit is too small: a single block a rank needs " + std::to_string(largest[0]) +
+        "the memory limit is too small: a single block a rank needs " + std::to_string(largest) +
           " bytes where " + std::to_string(this->MemoryBytes) + " are left");
     }
   }

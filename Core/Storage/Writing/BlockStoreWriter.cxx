@@ -28,10 +28,10 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Create(FileSystem& f
   const std::string& folder, std::size_t segments, std::size_t blocks, SamplePlace place)
 {
   ISOSURFACE_RETURN_IF_ERROR(files.MakeDirectories(folder));
-  auto blocksFile = files.CreateForWriting(StoreRecords::GetPath(folder));
-  ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto blocksFile, files.CreateForWriting(StoreRecords::GetPath(folder)));
   return std::unique_ptr<BlockStoreWriter>(
-    new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
+    new BlockStoreWriter(files, folder, segments, std::move(blocksFile), blocks, place));
 }
 
 Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Open(FileSystem& files,
@@ -50,10 +50,10 @@ Result<std::unique_ptr<BlockStoreWriter>> BlockStoreWriter::Open(FileSystem& fil
   const std::string path = StoreRecords::GetPath(folder);
   const AppendedSum sum(checkpoint.BlocksSum);
   ISOSURFACE_RETURN_IF_ERROR(sum.Check(files, path, ends));
-  auto blocksFile = files.OpenForAppending(path, checkpoint.BlocksBytes);
-  ISOSURFACE_RETURN_IF_ERROR(blocksFile.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto blocksFile, files.OpenForAppending(path, checkpoint.BlocksBytes));
   std::unique_ptr<BlockStoreWriter> writer(
-    new BlockStoreWriter(files, folder, segments, std::move(*blocksFile), blocks, place));
+    new BlockStoreWriter(files, folder, segments, std::move(blocksFile), blocks, place));
   writer->Entries.insert(writer->Entries.end(), std::make_move_iterator(entries.begin()),
     std::make_move_iterator(entries.end()));
   writer->Checksum = checkpoint.BlocksChecksum;
@@ -110,15 +110,15 @@ Result<StoreDescription> BlockStoreWriter::Finish(const ArrayVariables& variable
   for (std::size_t variable = 0; variable < ranges.size(); ++variable)
   {
     const std::string path = BlockStore::GetTreePath(this->Folder, variables, variable);
-    const auto seal = this->WriteTree(
-      path, BlockStore::GetTreeIdentity(description, variable), ranges[variable], memoryBytes);
-    ISOSURFACE_RETURN_IF_ERROR(seal.GetStatus());
-    description.Seals[1 + variable] = *seal;
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto seal,
+      this->WriteTree(
+        path, BlockStore::GetTreeIdentity(description, variable), ranges[variable], memoryBytes));
+    description.Seals[1 + variable] = seal;
   }
-  const auto seal = BlockDirectory::Write(this->Files, BlockStore::GetDirectoryPath(this->Folder),
-    this->Segments, this->Checksum, this->Entries);
-  ISOSURFACE_RETURN_IF_ERROR(seal.GetStatus());
-  description.Seals.front() = *seal;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto seal,
+    BlockDirectory::Write(this->Files, BlockStore::GetDirectoryPath(this->Folder), this->Segments,
+      this->Checksum, this->Entries));
+  description.Seals.front() = seal;
   ISOSURFACE_RETURN_IF_ERROR(this->Files.SyncDirectory(this->Folder));
   return description;
 }

@@ -174,18 +174,17 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
   std::uint64_t fingerprint = 0;
   const auto plan = [&]() -> Status
   {
-    const auto existing = FindVolumeToAppendTo(
-      this->Context.Files, this->Context.Path, this->Context.Settings, pending);
-    ISOSURFACE_RETURN_IF_ERROR(existing.GetStatus());
-    const auto header = this->Plan(grid, arrays, *existing);
-    ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto existing,
+      FindVolumeToAppendTo(
+        this->Context.Files, this->Context.Path, this->Context.Settings, pending));
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto header, this->Plan(grid, arrays, existing));
     this->Journal.Finished = pending;
-    this->Journal.NumberOfStores = header->NumberOfStores;
-    this->Journal.Plan = WriteJournal::ComputePlan(*header);
+    this->Journal.NumberOfStores = header.NumberOfStores;
+    this->Journal.Plan = WriteJournal::ComputePlan(header);
     ISOSURFACE_RETURN_IF_ERROR(this->CheckBox(grid));
-    fingerprint = this->ComputeFingerprint(*header);
-    this->Volume = std::make_unique<ResolutionWriter>(this->Context, this->Source, *header,
-      !header->Overviews.empty(), this->MakeProgress(0, VolumeDone));
+    fingerprint = this->ComputeFingerprint(header);
+    this->Volume = std::make_unique<ResolutionWriter>(this->Context, this->Source, header,
+      !header.Overviews.empty(), this->MakeProgress(0, VolumeDone));
     if (this->KeepsJournal())
     {
       this->Volume->KeepJournal(this->Journal);
@@ -230,22 +229,20 @@ std::uint64_t BlockedVolumeWriteJob::ComputeFingerprint(const BlockedVolumeHeade
 
 Status BlockedVolumeWriteJob::CheckEqual(std::uint64_t mine, const char* reason) const
 {
-  std::vector<std::uint64_t> minimum = { mine };
-  std::vector<std::uint64_t> maximum = { mine };
-  this->Context.Ranks.ReduceMinimum(minimum);
-  this->Context.Ranks.ReduceMaximum(maximum);
-  return minimum == maximum ? Status::Ok() : this->Context.MakeRefusal(reason);
+  // The complement of the maximum of complements is the minimum: one reduction for both.
+  std::vector<std::uint64_t> extremes = { mine, ~mine };
+  this->Context.Ranks.ReduceMaximum(extremes);
+  return extremes[0] == ~extremes[1] ? Status::Ok() : this->Context.MakeRefusal(reason);
 }
 
 Status BlockedVolumeWriteJob::CheckSourceFiles() const
 {
   const SourceFiles& source = this->Context.Settings.Files;
-  const auto state = FindStateOfAll(this->Context.Files, source.Paths);
-  ISOSURFACE_RETURN_IF_ERROR(state.GetStatus());
-  return *state == source.State ? Status::Ok()
-                                : Status(StatusCode::Corrupt,
-                                    source.Paths.front() + ": was changed while it was read for " +
-                                      this->Context.Path + "; start again");
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto state, FindStateOfAll(this->Context.Files, source.Paths));
+  return state == source.State ? Status::Ok()
+                               : Status(StatusCode::Corrupt,
+                                   source.Paths.front() + ": was changed while it was read for " +
+                                     this->Context.Path + "; start again");
 }
 
 Status BlockedVolumeWriteJob::MakeGeneration()
@@ -286,9 +283,8 @@ Status BlockedVolumeWriteJob::WriteOverviews()
   const std::size_t overviews = this->Volume->GetHeader().Overviews.size();
   for (std::size_t overview = 0; overview < overviews; ++overview)
   {
-    auto written = this->WriteOverview(overview, coarsest ? *coarsest : *this->Volume);
-    ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
-    coarsest = std::move(*written);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      coarsest, this->WriteOverview(overview, coarsest ? *coarsest : *this->Volume));
     this->Volume->GetStep().Overviews[overview] = coarsest->GetStep().Stores;
     this->Statistics.OverviewBytes += coarsest->GetStatistics().Bytes;
     this->Statistics.MemoryBytes =

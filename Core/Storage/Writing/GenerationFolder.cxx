@@ -94,10 +94,9 @@ void GenerationFolder::RemoveUnfinished(FileSystem& files, const std::string& pa
 
 Result<std::string> GenerationFolder::Create(FileSystem& files, const std::string& path)
 {
-  const auto names = files.List(GetStoresFolder(files, path));
-  ISOSURFACE_RETURN_IF_ERROR(names.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto names, files.List(GetStoresFolder(files, path)));
   std::uint64_t last = 0;
-  for (const std::string& name : *names)
+  for (const std::string& name : names)
   {
     last = std::max(last, FindNumber(name).value_or(0));
   }
@@ -122,10 +121,9 @@ Status GenerationFolder::Commit(
         std::to_string(BlockedVolumeHeader::MaximumSize) + " of a header; write fewer stores");
   }
   const std::string partial = GetPartialPath(path);
-  auto file = files.CreateForWriting(partial);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Append(text.data(), text.size()));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->SyncAndClose());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.CreateForWriting(partial));
+  ISOSURFACE_RETURN_IF_ERROR(file->Append(text.data(), text.size()));
+  ISOSURFACE_RETURN_IF_ERROR(file->SyncAndClose());
   ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(GetStoresFolder(files, path)));
   ISOSURFACE_RETURN_IF_ERROR(files.SyncDirectory(GetParent(path)));
   ISOSURFACE_RETURN_IF_ERROR(files.Rename(partial, path));

@@ -148,15 +148,15 @@ std::vector<OverviewSource::Part> OverviewSource::FindParts(
 Status OverviewSource::ReadPart(const Part& part, std::size_t store, const VertexBox& box,
   const std::vector<std::uint8_t*>& samples)
 {
-  const auto file = this->Files.OpenForReading(GetPath(this->Folder, store));
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto file, this->Files.OpenForReading(GetPath(this->Folder, store)));
   const auto size = static_cast<std::size_t>(part.Size);
   if (this->PartBytes.GetSize() < size)
   {
     this->PartBytes = Buffer<std::uint8_t>();
     this->PartBytes = Buffer<std::uint8_t>(size);
   }
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(part.Offset, size, this->PartBytes.GetData()));
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(part.Offset, size, this->PartBytes.GetData()));
   const std::uint8_t* from = this->PartBytes.GetData();
   for (const std::int64_t block : part.Blocks)
   {
@@ -182,12 +182,11 @@ Result<BoxSamples> OverviewSource::Read(const VertexBox& box)
   {
     bytes += align(vertices * GetValueSize(type));
   }
-  const auto buffer = this->Pool->Take(bytes);
-  ISOSURFACE_RETURN_IF_ERROR(buffer.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto buffer, this->Pool->Take(bytes));
   std::vector<std::uint8_t*> samples;
   BoxSamples result;
-  result.Owner = *buffer;
-  std::uint8_t* next = (*buffer)->GetData();
+  result.Owner = buffer;
+  std::uint8_t* next = buffer->GetData();
   for (const ValueType type : this->Types)
   {
     samples.push_back(next);

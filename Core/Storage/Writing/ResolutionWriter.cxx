@@ -162,13 +162,12 @@ Status ResolutionWriter::ScanRanges(BlockRangeScan& scan)
 {
   const auto read = [&]() -> Status
   {
-    const auto left = this->GetMemoryLeft(this->GetTableBytes());
-    ISOSURFACE_RETURN_IF_ERROR(left.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto left, this->GetMemoryLeft(this->GetTableBytes()));
     if (this->Header.Distribution == DistributionMethod::Balanced)
     {
       scan.AddProfiles();
     }
-    return scan.Scan(this->Source, this->Exchange->GetOwned(), *left,
+    return scan.Scan(this->Source, this->Exchange->GetOwned(), left,
       [&](double share) { return this->TellShare(share * RangesDone); });
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(read)));
@@ -261,11 +260,8 @@ bool ResolutionWriter::IsCheckpointDue(std::int64_t blocks, bool isStopping)
   // The last blocks are always kept: sorting intervals and the overviews can take long.
   const bool isLast = blocks == this->Grid.GetNumberOfBlocks();
   const double wanted = isLast ? seconds : std::max(seconds, CheckpointShare * count(this->Begin));
-  const bool isDue =
-    this->Context.Rank == 0 && count(isLast ? this->Begin : this->LastCheckpoint) >= wanted;
-  std::vector<std::uint64_t> due = { isDue ? std::uint64_t{ 1 } : 0 };
-  this->Context.Ranks.ReduceMaximum(due);
-  return due[0] != 0;
+  return this->Context.Ranks.Any(
+    this->Context.Rank == 0 && count(isLast ? this->Begin : this->LastCheckpoint) >= wanted);
 }
 
 /// Brings all that is known of the first `blocks` blocks, which are written, to stable storage.
@@ -301,10 +297,9 @@ Status ResolutionWriter::WriteBlocks()
       return left.GetStatus();
     })));
   // All ranks plan the same rounds, so the minimum counts.
-  std::vector<std::uint64_t> memory = { *left };
-  this->Context.Ranks.ReduceMinimum(memory);
+  const std::uint64_t memory = this->Context.Ranks.Minimum(*left);
   BlockRounds rounds(this->Context.Ranks, this->Source, this->Grid, this->Types, *this->Exchange,
-    *shipment, *this->Plan, this->Context.Settings.Threads, memory[0]);
+    *shipment, *this->Plan, this->Context.Settings.Threads, memory);
   BlockRoundsSteps steps;
   steps.Agree = [&](const Status& mine) { return this->Context.AgreeOn(mine); };
   steps.Finish = [&](PendingBlock& block, const std::vector<SampleView>& views, int thread)
@@ -335,7 +330,7 @@ Status ResolutionWriter::WriteBlocks()
   const Status status = rounds.Run(steps);
   this->Statistics.Rounds = rounds.GetRounds();
   this->Statistics.MemoryBytes =
-    this->Context.Settings.MemoryLimit - memory[0] + rounds.GetLargestBytes();
+    this->Context.Settings.MemoryLimit - memory + rounds.GetLargestBytes();
   if (status.IsOk())
   {
     this->ShareRanges();

@@ -26,24 +26,23 @@ Result<SourceRecord> MoveRecord(FileSystem& files, VolumeOpener opener, const st
   const VolumeName& name, const BlockedVolumeHeader& header, const SourceRecord& old, bool& isSame)
 {
   const VolumeName place = { name.Path, name.Within.empty() ? old.Within : name.Within };
-  auto record =
-    DescribeSource(files, opener, path, place.GetText(), old, header.Grid, header.Arrays);
-  ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-  if (record->Metadata != old.Metadata)
+  ISOSURFACE_ASSIGN_OR_RETURN(auto record,
+    DescribeSource(files, opener, path, place.GetText(), old, header.Grid, header.Arrays));
+  if (record.Metadata != old.Metadata)
   {
     return Status(StatusCode::Corrupt,
       place.GetText() + ": is not what " + path + " was made of: its samples are stored otherwise");
   }
-  isSame = isSame && record->State == old.State;
+  isSame = isSame && record.State == old.State;
   return record;
 }
 
 Status CheckSamples(FileSystem& files, VolumeOpener opener, const std::string& path,
   const BlockedVolumeHeader& header, int threads, const Progress& progress)
 {
-  const auto found = VerifyBlockedVolume(path, files, threads, progress, opener, &header);
-  ISOSURFACE_RETURN_IF_ERROR(found.GetStatus());
-  return found->Faults.empty() ? Status::Ok() : found->Faults.front();
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto found, VerifyBlockedVolume(path, files, threads, progress, opener, &header));
+  return found.Faults.empty() ? Status::Ok() : found.Faults.front();
 }
 
 } // namespace
@@ -58,9 +57,8 @@ Status RelocateSource(FileSystem& files, VolumeOpener opener, const std::string&
   }
   const auto lock = files.LockFolder(GetStoresFolder(files, path));
   ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
-  auto header = BlockedVolumeHeader::Read(files, path);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  if (!header->IsInPlace())
+  ISOSURFACE_ASSIGN_OR_RETURN(auto header, BlockedVolumeHeader::Read(files, path));
+  if (!header.IsInPlace())
   {
     return Status(
       StatusCode::InvalidArgument, path + ": has its samples itself: it is not in place");
@@ -71,19 +69,18 @@ Status RelocateSource(FileSystem& files, VolumeOpener opener, const std::string&
     return Status(StatusCode::NotFound, name.Path + ": there is no such file or folder");
   }
   std::set<std::string> places;
-  for (const TimeStepDescription& step : header->TimeSteps)
+  for (const TimeStepDescription& step : header.TimeSteps)
   {
     places.insert(step.Source->Path);
   }
   bool isSame = true;
   bool isFound = false;
-  for (TimeStepDescription& step : header->TimeSteps)
+  for (TimeStepDescription& step : header.TimeSteps)
   {
     if (places.size() == 1 || GetLastName(step.Source->Path) == GetLastName(name.Path))
     {
-      auto record = MoveRecord(files, opener, path, name, *header, *step.Source, isSame);
-      ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-      step.Source = std::move(*record);
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        step.Source, MoveRecord(files, opener, path, name, header, *step.Source, isSame));
       isFound = true;
     }
   }
@@ -94,10 +91,10 @@ Status RelocateSource(FileSystem& files, VolumeOpener opener, const std::string&
   }
   if (!isSame)
   {
-    ISOSURFACE_RETURN_IF_ERROR(CheckSamples(files, opener, path, *header, threads, progress));
+    ISOSURFACE_RETURN_IF_ERROR(CheckSamples(files, opener, path, header, threads, progress));
   }
   bool isVisible = false;
-  return GenerationFolder::Commit(files, path, *header, isVisible);
+  return GenerationFolder::Commit(files, path, header, isVisible);
 }
 
 } // namespace isosurface

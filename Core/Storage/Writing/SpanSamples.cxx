@@ -87,15 +87,14 @@ Status SpanSamples::Read(
   this->FirstSlice = boxes.empty() ? 0 : boxes.front().Low[2];
   for (const VertexBox& box : boxes)
   {
-    auto slab = source.Read(box);
-    ISOSURFACE_RETURN_IF_ERROR(slab.GetStatus());
-    if (!slab->Fits(types, box))
+    ISOSURFACE_ASSIGN_OR_RETURN(auto slab, source.Read(box));
+    if (!slab.Fits(types, box))
     {
       return Status(
         StatusCode::InvalidArgument, "a rank's samples do not fit the grid or the arrays");
     }
     const auto number = static_cast<std::uint32_t>(this->Slabs.size());
-    this->Slabs.push_back(std::move(*slab));
+    this->Slabs.push_back(std::move(slab));
     this->SlabOfSlice.resize(static_cast<std::size_t>(box.High[2] - this->FirstSlice), number);
   }
   return Status::Ok();

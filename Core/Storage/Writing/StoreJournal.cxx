@@ -70,8 +70,7 @@ Status AppendedSum::Check(
   FileSystem& files, const std::string& path, const std::vector<std::uint64_t>& ends) const
 {
   constexpr std::uint64_t bytesAtOnce = std::uint64_t{ 1 } << 20;
-  const auto file = files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, files.OpenForReading(path));
   AppendedSum found;
   Bytes bytes;
   std::uint64_t begin = 0;
@@ -83,7 +82,7 @@ Status AppendedSum::Check(
       ++next;
     }
     const std::uint64_t end = *std::prev(next);
-    ISOSURFACE_RETURN_IF_ERROR(ReadWhole(**file, begin, end - begin, bytes));
+    ISOSURFACE_RETURN_IF_ERROR(ReadWhole(*file, begin, end - begin, bytes));
     std::uint64_t portion = begin;
     for (auto at = first; at != next; portion = *at++)
     {
@@ -130,9 +129,8 @@ Status StoreJournal::Add(std::int64_t number, const StoreCheckpoint& checkpoint,
 {
   if (!this->Entries)
   {
-    auto created = this->Files.CreateForWriting(this->GetEntriesPath());
-    ISOSURFACE_RETURN_IF_ERROR(created.GetStatus());
-    this->Entries = std::move(*created);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      this->Entries, this->Files.CreateForWriting(this->GetEntriesPath()));
   }
   ISOSURFACE_RETURN_IF_ERROR(this->AppendEntries(entries, ranges));
   Bytes bytes(sizeof(std::uint64_t));
@@ -150,10 +148,10 @@ Status StoreJournal::Add(std::int64_t number, const StoreCheckpoint& checkpoint,
   StoreLittleEndian(bytes.data(),
     ComputeChecksum(bytes.data() + sizeof(std::uint64_t), bytes.size() - sizeof(std::uint64_t),
       static_cast<std::uint64_t>(number)));
-  auto file = this->Files.CreateForWriting(GetCheckpointPath(this->Folder, number));
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Append(bytes.data(), bytes.size()));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->SyncAndClose());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto file, this->Files.CreateForWriting(GetCheckpointPath(this->Folder, number)));
+  ISOSURFACE_RETURN_IF_ERROR(file->Append(bytes.data(), bytes.size()));
+  ISOSURFACE_RETURN_IF_ERROR(file->SyncAndClose());
   return this->Files.SyncDirectory(this->Folder);
 }
 
@@ -161,10 +159,9 @@ Result<StoreCheckpoint> StoreJournal::Take(std::int64_t number, std::size_t segm
   std::vector<BlockDirectoryEntry>& entries, std::vector<std::vector<KeyRange>>& ranges)
 {
   const std::string path = GetCheckpointPath(this->Folder, number);
-  const auto file = this->Files.OpenForReading(path);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, this->Files.OpenForReading(path));
   Bytes bytes;
-  ISOSURFACE_RETURN_IF_ERROR(ReadWhole(**file, 0, (*file)->GetSize(), bytes));
+  ISOSURFACE_RETURN_IF_ERROR(ReadWhole(*file, 0, file->GetSize(), bytes));
   ByteReader reader(bytes);
   const auto checksum = reader.Read<std::uint64_t>();
   const std::size_t size = reader.GetRemaining();
@@ -192,9 +189,8 @@ Result<StoreCheckpoint> StoreJournal::Take(std::int64_t number, std::size_t segm
   {
     return Status(StatusCode::Corrupt, this->GetEntriesPath() + ": is damaged");
   }
-  auto opened = this->Files.OpenForAppending(this->GetEntriesPath(), this->EntriesBytes);
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-  this->Entries = std::move(*opened);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    this->Entries, this->Files.OpenForAppending(this->GetEntriesPath(), this->EntriesBytes));
   this->Count = entries.size();
   return checkpoint;
 }
@@ -202,8 +198,7 @@ Result<StoreCheckpoint> StoreJournal::Take(std::int64_t number, std::size_t segm
 Status StoreJournal::ReadEntries(std::size_t segments, std::vector<BlockDirectoryEntry>& entries,
   std::vector<std::vector<KeyRange>>& ranges)
 {
-  const auto file = this->Files.OpenForReading(this->GetEntriesPath());
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, this->Files.OpenForReading(this->GetEntriesPath()));
   const std::size_t entryBytes = GetEntryBytes(segments, ranges.size());
   const Status corrupt(StatusCode::Corrupt, this->GetEntriesPath() + ": is damaged");
   if (this->EntriesBytes % entryBytes != 0)
@@ -214,7 +209,7 @@ Status StoreJournal::ReadEntries(std::size_t segments, std::vector<BlockDirector
   for (std::uint64_t offset = 0; offset < this->EntriesBytes; offset += bytes.size())
   {
     ISOSURFACE_RETURN_IF_ERROR(ReadWhole(
-      **file, offset, std::min(this->EntriesBytes - offset, EntriesAtOnce * entryBytes), bytes));
+      *file, offset, std::min(this->EntriesBytes - offset, EntriesAtOnce * entryBytes), bytes));
     this->EntriesChecksum = ChainChecksums(bytes, entryBytes, this->EntriesChecksum);
     ByteReader reader(bytes);
     while (reader.GetRemaining() > 0)

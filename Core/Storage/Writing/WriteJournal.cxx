@@ -39,30 +39,28 @@ Status WriteJournal::Write(FileSystem& files, const std::string& volumePath) con
       { "checkpoint", this->Checkpoint } });
   const std::string path = GetPath(files, volumePath);
   const std::string partial = path + ".partial";
-  auto file = files.CreateForWriting(partial);
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Append(text.data(), text.size()));
-  ISOSURFACE_RETURN_IF_ERROR((*file)->SyncAndClose());
+  ISOSURFACE_ASSIGN_OR_RETURN(auto file, files.CreateForWriting(partial));
+  ISOSURFACE_RETURN_IF_ERROR(file->Append(text.data(), text.size()));
+  ISOSURFACE_RETURN_IF_ERROR(file->SyncAndClose());
   ISOSURFACE_RETURN_IF_ERROR(files.Rename(partial, path));
   return files.SyncDirectory(GetStoresFolder(files, volumePath));
 }
 
 Result<std::string> WriteJournal::ReadText(FileSystem& files, const std::string& volumePath)
 {
-  const auto file = files.OpenForReading(GetPath(files, volumePath));
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  std::string text(static_cast<std::size_t>((*file)->GetSize()), '\0');
-  ISOSURFACE_RETURN_IF_ERROR((*file)->Read(0, text.size(), text.data()));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, files.OpenForReading(GetPath(files, volumePath)));
+  std::string text(static_cast<std::size_t>(file->GetSize()), '\0');
+  ISOSURFACE_RETURN_IF_ERROR(file->Read(0, text.size(), text.data()));
   return text;
 }
 
 Result<WriteJournal> WriteJournal::Parse(const std::string& text, const std::string& path)
 {
-  const auto document = ParseDocument(text, path, JournalFormat, JournalVersion);
-  ISOSURFACE_RETURN_IF_ERROR(document.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto document, ParseDocument(text, path, JournalFormat, JournalVersion));
   constexpr std::int64_t any = std::numeric_limits<std::int64_t>::max();
   Status status;
-  JsonMembers members(*document, path, "", status);
+  JsonMembers members(document, path, "", status);
   WriteJournal journal;
   journal.NumberOfStores = static_cast<std::uint32_t>(
     members.GetInteger("stores", 1, std::numeric_limits<std::uint32_t>::max()));
@@ -78,9 +76,7 @@ Result<WriteJournal> WriteJournal::Parse(const std::string& text, const std::str
   ISOSURFACE_RETURN_IF_ERROR(status);
   if (!finished.empty())
   {
-    const auto header = BlockedVolumeHeader::Parse(finished, path);
-    ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-    journal.Finished = *header;
+    ISOSURFACE_ASSIGN_OR_RETURN(journal.Finished, BlockedVolumeHeader::Parse(finished, path));
   }
   return journal;
 }

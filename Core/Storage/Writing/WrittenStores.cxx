@@ -48,16 +48,13 @@ Status WrittenStores::Create()
       continue;
     }
     OpenStore& open = this->Stores[store];
-    auto writer = BlockStoreWriter::Create(this->Context.Files, this->GetStorePath(store),
-      this->Segments, blocks[store], this->GetSamplePlace());
-    ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
-    open.Writer = std::move(*writer);
+    ISOSURFACE_ASSIGN_OR_RETURN(open.Writer,
+      BlockStoreWriter::Create(this->Context.Files, this->GetStorePath(store), this->Segments,
+        blocks[store], this->GetSamplePlace()));
     if (this->HasCoarser)
     {
-      auto samples =
-        this->Context.Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), store));
-      ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-      open.OverviewSamples = std::move(*samples);
+      ISOSURFACE_ASSIGN_OR_RETURN(open.OverviewSamples,
+        this->Context.Files.CreateForWriting(OverviewSource::GetPath(this->GetFolder(), store)));
     }
     if (this->HasJournal)
     {
@@ -91,25 +88,24 @@ Status WrittenStores::TakeOne(
   FileSystem& files = this->Context.Files;
   open.Journal = std::make_unique<StoreJournal>(files, this->GetStorePath(store));
   std::vector<BlockDirectoryEntry> entries;
-  const auto taken = open.Journal->Take(checkpoint, this->Segments, entries, counts.GetRanges());
-  ISOSURFACE_RETURN_IF_ERROR(taken.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto taken, open.Journal->Take(checkpoint, this->Segments, entries, counts.GetRanges()));
   const bool isMine = std::all_of(entries.begin(), entries.end(),
     [&](const BlockDirectoryEntry& entry)
     { return this->BlockStores[static_cast<std::size_t>(entry.Block)] == store; });
-  if (!isMine || entries.size() != blocks || !counts.GetSpectra().UnpackSums(store, taken->Spectra))
+  if (!isMine || entries.size() != blocks || !counts.GetSpectra().UnpackSums(store, taken.Spectra))
   {
     return Status(StatusCode::Corrupt, this->GetStorePath(store) + ": its journal is of others");
   }
-  counts.AddFiniteRanges(taken->FiniteRanges);
+  counts.AddFiniteRanges(taken.FiniteRanges);
   if (this->HasCoarser)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->TakeOverviewSamples(store, entries, *taken));
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeOverviewSamples(store, entries, taken));
   }
-  auto writer = BlockStoreWriter::Open(files, this->GetStorePath(store), this->Segments,
-    this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
-    std::move(entries), *taken);
-  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
-  open.Writer = std::move(*writer);
+  ISOSURFACE_ASSIGN_OR_RETURN(open.Writer,
+    BlockStoreWriter::Open(files, this->GetStorePath(store), this->Segments,
+      this->CountBlocks(this->Grid.GetNumberOfBlocks())[store], this->GetSamplePlace(),
+      std::move(entries), taken));
   return Status::Ok();
 }
 
@@ -128,9 +124,8 @@ Status WrittenStores::TakeOverviewSamples(std::uint32_t store,
   OpenStore& open = this->Stores[store];
   open.OverviewSum = AppendedSum(checkpoint.OverviewSum);
   ISOSURFACE_RETURN_IF_ERROR(open.OverviewSum.Check(this->Context.Files, path, ends));
-  auto samples = this->Context.Files.OpenForAppending(path, checkpoint.OverviewBytes);
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  open.OverviewSamples = std::move(*samples);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    open.OverviewSamples, this->Context.Files.OpenForAppending(path, checkpoint.OverviewBytes));
   return Status::Ok();
 }
 
@@ -206,8 +201,8 @@ Result<StoreDescription> WrittenStores::Finish(
     // Samples of coarser levels and checkpoints come from the disk.
     return Status(StatusCode::Corrupt, this->GetFolder() + ": its temporary files are damaged");
   }
-  auto description = store.Writer->Finish(this->Variables, counts.GetRanges(), memoryBytes);
-  ISOSURFACE_RETURN_IF_ERROR(description.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto description, store.Writer->Finish(this->Variables, counts.GetRanges(), memoryBytes));
   if (store.OverviewSamples)
   {
     ISOSURFACE_RETURN_IF_ERROR(store.OverviewSamples->SyncAndClose());

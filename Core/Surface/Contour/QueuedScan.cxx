@@ -25,11 +25,11 @@ Result<BrickLattice> QueuedScan::Run(BlockQueue& queue, int threads, const Progr
   {
     blocks.push_back(scanned.Block);
   }
-  auto lattice = BrickLattice::Cut(this->Geometry.GetDimensions(),
-    ChosenBlocks(this->Source, std::move(blocks)), this->Request.ClosedSides);
-  ISOSURFACE_RETURN_IF_ERROR(lattice.GetStatus());
-  this->Join(*lattice);
-  this->DropWhatOthersOwn(*lattice, threads);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto lattice,
+    BrickLattice::Cut(this->Geometry.GetDimensions(), ChosenBlocks(this->Source, std::move(blocks)),
+      this->Request.ClosedSides));
+  this->Join(lattice);
+  this->DropWhatOthersOwn(lattice, threads);
   return lattice;
 }
 
@@ -55,12 +55,12 @@ Status QueuedScan::ScanAll(BlockQueue& queue, int threads, const Progress& progr
 
 Status QueuedScan::ScanBlock(std::size_t block, int thread)
 {
-  const auto lattice = BrickLattice::Cut(this->Geometry.GetDimensions(),
-    ChosenBlocks(this->Source, { block }), this->Request.ClosedSides);
-  ISOSURFACE_RETURN_IF_ERROR(lattice.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto lattice,
+    BrickLattice::Cut(this->Geometry.GetDimensions(), ChosenBlocks(this->Source, { block }),
+      this->Request.ClosedSides));
   ScannedBlock scanned{ block, {} };
-  this->Scan.Allocate(*lattice, scanned.Parts);
-  ISOSURFACE_RETURN_IF_ERROR(this->Scan.ScanBlock(*lattice, 0, block, scanned.Parts, thread));
+  this->Scan.Allocate(lattice, scanned.Parts);
+  ISOSURFACE_RETURN_IF_ERROR(this->Scan.ScanBlock(lattice, 0, block, scanned.Parts, thread));
   const std::lock_guard<std::mutex> lock(this->Mutex);
   this->Scanned.push_back(std::move(scanned));
   return Status::Ok();

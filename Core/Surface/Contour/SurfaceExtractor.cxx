@@ -51,9 +51,9 @@ Result<BrickLattice> ScanBlocks(const GridGeometry& geometry, BlockSource& sourc
   {
     return QueuedScan(geometry, source, request, scan).Run(*queue, threads, progress);
   }
-  auto lattice = BrickLattice::Cut(geometry.GetDimensions(), source, request.ClosedSides);
-  ISOSURFACE_RETURN_IF_ERROR(lattice.GetStatus());
-  ISOSURFACE_RETURN_IF_ERROR(scan.Run(*lattice, progress));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto lattice, BrickLattice::Cut(geometry.GetDimensions(), source, request.ClosedSides));
+  ISOSURFACE_RETURN_IF_ERROR(scan.Run(lattice, progress));
   return lattice;
 }
 
@@ -80,13 +80,13 @@ Result<Surface> ExtractWithinMemory(const GridGeometry& geometry, BlockSource& s
     ISOSURFACE_RETURN_IF_ERROR(CheckRequest(geometry, request));
   }
   BrickScan scan(geometry, source, request, threads);
-  const auto lattice = ScanBlocks(
-    geometry, source, request, queue, threads, MakePartOfProgress(progress, 0.0, ScanEnd), scan);
-  ISOSURFACE_RETURN_IF_ERROR(lattice.GetStatus());
-  surface.NumberOfBlocks = lattice->GetNumberOfBlocks();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto lattice,
+    ScanBlocks(
+      geometry, source, request, queue, threads, MakePartOfProgress(progress, 0.0, ScanEnd), scan));
+  surface.NumberOfBlocks = lattice.GetNumberOfBlocks();
   surface.AcquireSeconds = scan.GetAcquireSeconds();
 
-  SurfaceAssembler assembler(geometry, *lattice, scan, request);
+  SurfaceAssembler assembler(geometry, lattice, scan, request);
   if (!assembler.Run(threads, MakePartOfProgress(progress, ScanEnd, 1.0), surface))
   {
     return Status(StatusCode::Aborted, "The extraction was aborted.");

@@ -251,9 +251,8 @@ VertexBox LayeredBlockSource::GetKnownSamples() const
 
 Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
 {
-  auto samples = this->Inner.Acquire(block);
-  ISOSURFACE_RETURN_IF_ERROR(samples.GetStatus());
-  SampleView& scalars = samples->Scalars;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto samples, this->Inner.Acquire(block));
+  SampleView& scalars = samples.Scalars;
   const VertexBox box =
     scalars.Box.AddLayer(this->Piece.Dimensions).Intersect(this->GetKnownSamples());
   if (scalars.Available.Contains(box))
@@ -279,10 +278,10 @@ Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
   {
     copy->Hidden.Vertices = flags.data();
   }
-  samples->Hidden = &copy->Hidden;
+  samples.Hidden = &copy->Hidden;
   // Attributes are still those of the inner source.
-  samples->Owner = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<Copy>>>(
-    samples->Owner, copy);
+  samples.Owner = std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<Copy>>>(
+    samples.Owner, copy);
   return samples;
 }
 

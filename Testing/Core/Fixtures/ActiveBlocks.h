@@ -15,9 +15,8 @@ namespace isosurface
 inline Result<std::vector<BlockReference>> FindActiveBlocks(
   BlockedVolume& volume, const SurfaceQuery& query, QueryStatistics& statistics, int level = 0)
 {
-  auto plan = PlanQuery(volume, query, level, statistics);
-  ISOSURFACE_RETURN_IF_ERROR(plan.GetStatus());
-  return std::move(plan->Blocks);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto plan, PlanQuery(volume, query, level, statistics));
+  return std::move(plan.Blocks);
 }
 
 } // namespace isosurface

@@ -85,12 +85,8 @@ inline Result<std::unique_ptr<EdgeIndexFileWriter>> EdgeIndexFileWriter::Create(
 {
   ISOSURFACE_RETURN_IF_ERROR(header.Check());
   std::unique_ptr<EdgeIndexFileWriter> writer(new EdgeIndexFileWriter(files, path, header));
-  auto lock = LockEdgeIndexFile(files, path);
-  ISOSURFACE_RETURN_IF_ERROR(lock.GetStatus());
-  writer->Lock = std::move(*lock);
-  Result<std::unique_ptr<WritableFile>> file = files.CreateForWriting(GetPartialPath(path));
-  ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-  writer->File = std::move(*file);
+  ISOSURFACE_ASSIGN_OR_RETURN(writer->Lock, LockEdgeIndexFile(files, path));
+  ISOSURFACE_ASSIGN_OR_RETURN(writer->File, files.CreateForWriting(GetPartialPath(path)));
   ISOSURFACE_RETURN_IF_ERROR(
     writer->File->Append(writer->HeaderBytes.data(), writer->HeaderBytes.size()));
   return writer;
@@ -102,12 +98,11 @@ inline Status EdgeIndexFileWriter::Append(const std::uint8_t* records, std::size
   std::size_t used = 0;
   for (std::size_t at = 0; at < size; at += used)
   {
-    const Result<EdgeIndexRecord> record =
-      EdgeIndexRecord::Parse(this->Header, records + at, size - at, used);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexRecord record,
+      EdgeIndexRecord::Parse(this->Header, records + at, size - at, used));
     EdgeIndexEntry entry;
     entry.Size = used;
-    entry.Block = record->Block;
+    entry.Block = record.Block;
     (entry.Block.IsPreview ? this->PreviewEntries : this->Entries).push_back(entry);
     std::vector<std::uint8_t>& bytes = entry.Block.IsPreview ? this->Preview : kept;
     bytes.insert(bytes.end(), records + at, records + at + used);
@@ -153,20 +148,19 @@ inline Status EdgeIndexFileWriter::Finish()
  * Errors: InvalidArgument, what Acquire or the file system returns, OutOfMemory, Aborted; an older
  * file stays then. Memory: see EncodeBlocks.
  */
-inline Status WriteEdgeIndexFile(FileSystem& files, const std::string& path, const EdgeIndexHeader& header,
-  BlockSource& source, int threads, const Progress& progress = {})
+inline Status WriteEdgeIndexFile(FileSystem& files, const std::string& path,
+  const EdgeIndexHeader& header, BlockSource& source, int threads, const Progress& progress = {})
 {
   EdgeIndexHeader stated = header;
   stated.NumberOfBlocks = source.GetNumberOfBlocks();
-  Result<std::unique_ptr<EdgeIndexFileWriter>> writer =
-    EdgeIndexFileWriter::Create(files, path, stated);
-  ISOSURFACE_RETURN_IF_ERROR(writer.GetStatus());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    std::unique_ptr<EdgeIndexFileWriter> writer, EdgeIndexFileWriter::Create(files, path, stated));
   ISOSURFACE_RETURN_IF_ERROR(EncodeBlocks(
     stated, source, threads,
     [&writer](const std::vector<std::uint8_t>& records)
-    { return (*writer)->Append(records.data(), records.size()); },
+    { return writer->Append(records.data(), records.size()); },
     progress));
-  return (*writer)->Finish();
+  return writer->Finish();
 }
 
 } // namespace isosurface

@@ -78,17 +78,16 @@ inline Result<Surface> DecodeSurface(const std::uint8_t* bytes, std::size_t size
   const ContourRequest& request, int threads, const Progress& progress = {})
 {
   std::size_t used = 0;
-  const Result<EdgeIndexHeader> header = EdgeIndexHeader::Parse(bytes, size, used);
-  ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
-  std::vector<std::vector<EdgeIndexRecord>> records(header->Isovalues.size());
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const EdgeIndexHeader header, EdgeIndexHeader::Parse(bytes, size, used));
+  std::vector<std::vector<EdgeIndexRecord>> records(header.Isovalues.size());
   for (std::size_t at = used; at < size; at += used)
   {
-    const Result<EdgeIndexRecord> record =
-      EdgeIndexRecord::Parse(*header, bytes + at, size - at, used);
-    ISOSURFACE_RETURN_IF_ERROR(record.GetStatus());
-    if (!record->Block.IsPreview)
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const EdgeIndexRecord record, EdgeIndexRecord::Parse(header, bytes + at, size - at, used));
+    if (!record.Block.IsPreview)
     {
-      records[record->Block.Isovalue].push_back(*record);
+      records[record.Block.Isovalue].push_back(record);
     }
   }
   std::vector<IsovalueSource> sources;
@@ -96,9 +95,9 @@ inline Result<Surface> DecodeSurface(const std::uint8_t* bytes, std::size_t size
   for (std::vector<EdgeIndexRecord>& blocks : records)
   {
     sources.push_back(
-      { sources.size(), std::make_unique<EdgeIndexBlockSource>(*header, std::move(blocks)) });
+      { sources.size(), std::make_unique<EdgeIndexBlockSource>(header, std::move(blocks)) });
   }
-  return JoinIsovalues(*header, sources, request, threads, progress);
+  return JoinIsovalues(header, sources, request, threads, progress);
 }
 
 } // namespace isosurface

@@ -145,8 +145,7 @@ public:
   Result<std::unique_ptr<WritableFile>> OpenForAppending(
     const std::string& path, std::uint64_t size) override
   {
-    auto file = this->OpenForUpdate(path);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(auto file, this->OpenForUpdate(path));
     const std::lock_guard<std::mutex> lock(this->Mutex);
     ISOSURFACE_RETURN_IF_ERROR(this->CountWrite(path));
     Bytes& bytes = *this->Files.at(path);

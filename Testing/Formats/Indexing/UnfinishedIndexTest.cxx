@@ -89,9 +89,9 @@ Status WriteIndex(Communicator& ranks, FileSystem& files, const std::string& fol
     settings.Append = step > 0;
     settings.Time = static_cast<double>(step);
     settings.Publish = step + 1 == steps;
-    const auto written =
-      writer.Write(path, volume->Grid, volume->Arrays, *volume->Source, settings, progress);
-    ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
+    ISOSURFACE_RETURN_IF_ERROR(
+      writer.Write(path, volume->Grid, volume->Arrays, *volume->Source, settings, progress)
+        .GetStatus());
   }
   return Status::Ok();
 }

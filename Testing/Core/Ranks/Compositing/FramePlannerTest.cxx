@@ -105,12 +105,11 @@ TEST(FramePlanner, DepthsAreSharedIfARankWantsThemAndAllCanInFullResolution)
         proposal.WantsSharedDepths = rank == wants;
         proposal.CanShareDepths = rank != cannot;
         const bool mine = FramePlanner().Plan(communicator, proposal, PlannedDisplay).SharesDepths;
-        std::vector<std::uint64_t> votes = { mine ? 1U : 0U };
-        communicator.ReduceSum(votes);
+        const std::uint64_t votes = communicator.Sum(mine ? 1U : 0U);
         if (rank == 0)
         {
-          some = votes[0] > 0;
-          all = votes[0] == Ranks;
+          some = votes > 0;
+          all = votes == Ranks;
         }
       });
     EXPECT_EQ(some, all) << "ranks differ";

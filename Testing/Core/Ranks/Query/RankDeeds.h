@@ -75,8 +75,7 @@ struct RankDeeds
 
   static Status ExtractWithinBudget(Communicator& ranks, FileSystem& disk)
   {
-    const auto volume = Open(ranks, disk);
-    ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto volume, Open(ranks, disk));
     const SurfaceQuery query = MakeQuery(ranks);
     ContourRequest request;
     request.Isovalues = query.Isovalues;
@@ -85,7 +84,7 @@ struct RankDeeds
     wanted.Budget = { 100, 1000000 };
     wanted.IsProgressive = true;
     wanted.Change = 1;
-    ExtractionTask task = { *volume, query, request, 1, {} };
+    ExtractionTask task = { volume, query, request, 1, {} };
     ISOSURFACE_RETURN_IF_ERROR(surfaces.Begin(ranks, task, "", wanted).GetStatus());
     ExtractionOutcome outcome;
     return surfaces.Extract(ranks, task, outcome);
@@ -93,16 +92,15 @@ struct RankDeeds
 
   static Status Distribute(Communicator& ranks, FileSystem& disk)
   {
-    const auto volume = Open(ranks, disk);
-    ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto volume, Open(ranks, disk));
     const SurfaceQuery query = MakeQuery(ranks);
     QueryStatistics statistics;
-    auto active = FindActiveBlocks(
-      **volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics);
+    auto active =
+      FindActiveBlocks(*volume, { { 0, 0, query.Isovalues }, query.Rank, query.Ranks }, statistics);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(active.GetStatus()));
-    StoredBlockSource source(**volume, 0, 0, 0, std::move(*active));
+    StoredBlockSource source(*volume, 0, 0, 0, std::move(*active));
     EdgeIndexHeader header;
-    header.Geometry = (*volume)->GetHeader().Grid;
+    header.Geometry = volume->GetHeader().Grid;
     header.Type = ValueType::UInt8;
     header.Isovalues = query.Isovalues;
     ContourRequest request;

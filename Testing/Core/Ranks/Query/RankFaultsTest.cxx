@@ -33,9 +33,8 @@ public:
   Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override
   {
     ISOSURFACE_RETURN_IF_ERROR(this->Ask(path));
-    auto file = this->Disk.OpenForReading(path);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    return std::unique_ptr<RandomAccessFile>(new Reader(*this, std::move(*file)));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto file, this->Disk.OpenForReading(path));
+    return std::unique_ptr<RandomAccessFile>(new Reader(*this, std::move(file)));
   }
   Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override
   {
@@ -78,9 +77,8 @@ private:
     const std::string& path, const std::function<Result<std::unique_ptr<WritableFile>>()>& open)
   {
     ISOSURFACE_RETURN_IF_ERROR(this->Ask(path));
-    auto file = open();
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
-    return std::unique_ptr<WritableFile>(new Writer(*this, std::move(*file)));
+    ISOSURFACE_ASSIGN_OR_RETURN(auto file, open());
+    return std::unique_ptr<WritableFile>(new Writer(*this, std::move(file)));
   }
 
   struct Reader : public RandomAccessFile

@@ -84,9 +84,8 @@ public:
     const Status status = this->Surfaces.Extract(this->Counted, this->Task, outcome);
     EXPECT_TRUE(status.IsOk()) << status.GetMessage();
     this->Surfaces.SetShown(status.IsOk(), outcome.Extracted.NumberOfTriangles);
-    std::vector<std::uint64_t> triangles = { outcome.Extracted.NumberOfTriangles };
-    this->Counted.ReduceSum(triangles);
-    return { triangles[0], outcome.Cost.Level };
+    const std::uint64_t triangles = this->Counted.Sum(outcome.Extracted.NumberOfTriangles);
+    return { triangles, outcome.Cost.Level };
   }
 
   Refinement Prepare(double seconds = 0.01)

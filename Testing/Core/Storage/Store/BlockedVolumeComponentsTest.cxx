@@ -330,23 +330,22 @@ TEST(BlockedVolumeComponents, ReportDamageOfAnyFile)
   VectorVolume<std::uint8_t>({ 40, 18, 17 }).Write(disk, MakeSettings(16, 1), 1);
   const auto readAll = [&]() -> Status
   {
-    const auto opened = BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(0));
-    ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto opened, BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(0)));
     QueryStatistics statistics;
     for (const int level : { 0, 2 })
     {
-      const auto share = (*opened)->ListBlocks(0, statistics, level);
-      ISOSURFACE_RETURN_IF_ERROR(share.GetStatus());
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto share, opened->ListBlocks(0, statistics, level));
       for (std::size_t variable = 0; variable < 5; ++variable)
       {
         ISOSURFACE_RETURN_IF_ERROR(
-          FindActiveBlocks(**opened, { { 0, variable, { 40.0, 100.0 } } }, statistics, level)
+          FindActiveBlocks(*opened, { { 0, variable, { 40.0, 100.0 } } }, statistics, level)
             .GetStatus());
-        ISOSURFACE_RETURN_IF_ERROR((*opened)->GetSpectrum(0, variable, level).GetStatus());
-        for (const BlockReference& block : *share)
+        ISOSURFACE_RETURN_IF_ERROR(opened->GetSpectrum(0, variable, level).GetStatus());
+        for (const BlockReference& block : share)
         {
           ISOSURFACE_RETURN_IF_ERROR(
-            (*opened)->ReadBlock(block, 0, variable, level, statistics).GetStatus());
+            opened->ReadBlock(block, 0, variable, level, statistics).GetStatus());
         }
       }
     }

@@ -17,9 +17,9 @@ const std::string Folder = HidePath(VolumePath + ".stores") + "/000001";
 /// Opens the volume and does all that a reader can do; the first error.
 Status ReadAll(MemoryDisk& disk)
 {
-  const auto opened = BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(0));
-  ISOSURFACE_RETURN_IF_ERROR(opened.GetStatus());
-  BlockedVolume& volume = **opened;
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto opened, BlockedVolume::Open(VolumePath, disk, std::make_shared<BlockCache>(0)));
+  BlockedVolume& volume = *opened;
   QueryStatistics statistics;
   for (int level = 0; level < volume.GetNumberOfLevels(); ++level)
   {
@@ -29,12 +29,11 @@ Status ReadAll(MemoryDisk& disk)
     }
     for (const double isovalue : { 1.0, 20.0, 50.0, 90.0 })
     {
-      const auto active = FindActiveBlocks(volume, { { 0, 0, { isovalue } } }, statistics, level);
-      ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
+      ISOSURFACE_RETURN_IF_ERROR(
+        FindActiveBlocks(volume, { { 0, 0, { isovalue } } }, statistics, level).GetStatus());
     }
-    const auto share = volume.ListBlocks(0, statistics, level);
-    ISOSURFACE_RETURN_IF_ERROR(share.GetStatus());
-    for (const BlockReference& block : *share)
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto share, volume.ListBlocks(0, statistics, level));
+    for (const BlockReference& block : share)
     {
       ISOSURFACE_RETURN_IF_ERROR(volume.ReadBlock(block, 0, 0, level, statistics).GetStatus());
     }

@@ -71,14 +71,14 @@ protected:
   /// The first error of opening the file and reading all of it.
   Status ReadAll()
   {
-    const auto file = SpectraFile::Open(this->Disk, SpectraPath, Identity, 2, 3);
-    ISOSURFACE_RETURN_IF_ERROR(file.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto file, SpectraFile::Open(this->Disk, SpectraPath, Identity, 2, 3));
     for (std::size_t array = 0; array < 2; ++array)
     {
-      ISOSURFACE_RETURN_IF_ERROR((*file)->ReadTotal(array).GetStatus());
+      ISOSURFACE_RETURN_IF_ERROR(file->ReadTotal(array).GetStatus());
       for (std::size_t store = 0; store < 3; ++store)
       {
-        ISOSURFACE_RETURN_IF_ERROR((*file)->ReadStore(array, store).GetStatus());
+        ISOSURFACE_RETURN_IF_ERROR(file->ReadStore(array, store).GetStatus());
       }
     }
     return Status::Ok();

@@ -134,19 +134,19 @@ protected:
   /// The number of triangles of the isosurface of a time step.
   Result<std::size_t> CountTriangles(std::size_t step = 0)
   {
-    auto volume = BlockedVolume::Open(
-      this->Volume, this->Files, std::make_shared<BlockCache>(std::uint64_t{ 1 } << 24));
-    ISOSURFACE_RETURN_IF_ERROR(volume.GetStatus());
+    ISOSURFACE_ASSIGN_OR_RETURN(auto volume,
+      BlockedVolume::Open(
+        this->Volume, this->Files, std::make_shared<BlockCache>(std::uint64_t{ 1 } << 24)));
     QueryStatistics statistics;
-    auto active = FindActiveBlocks(**volume, { { step, 0, { Isovalue } } }, statistics);
-    ISOSURFACE_RETURN_IF_ERROR(active.GetStatus());
-    ISOSURFACE_RETURN_IF_ERROR((*volume)->GetSpectrum(step, 0).GetStatus());
-    StoredBlockSource source(**volume, step, 0, 0, std::move(*active));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto active, FindActiveBlocks(*volume, { { step, 0, { Isovalue } } }, statistics));
+    ISOSURFACE_RETURN_IF_ERROR(volume->GetSpectrum(step, 0).GetStatus());
+    StoredBlockSource source(*volume, step, 0, 0, std::move(active));
     ContourRequest request;
     request.Isovalues = { Isovalue };
-    const auto surface = ExtractSurface((*volume)->GetHeader().Grid, source, request, 1);
-    ISOSURFACE_RETURN_IF_ERROR(surface.GetStatus());
-    return surface->NumberOfTriangles;
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto surface, ExtractSurface(volume->GetHeader().Grid, source, request, 1));
+    return surface.NumberOfTriangles;
   }
 
   std::string Verify()
