@@ -25,7 +25,7 @@ MAY_INCLUDE = {
     STORAGE: [GROUND],
     CODING: [GROUND, SURFACE],
     RANKS: [GROUND, SURFACE, STORAGE, CODING],
-    "Formats": [GROUND, STORAGE],
+    "Formats": CORE,  # only Files, its highest room, includes more than Ground and Storage
     "Bridge": CORE,
     "Readers": CORE + ["Bridge", "Formats"],
     "Filters": CORE + ["Bridge", "Readers"],

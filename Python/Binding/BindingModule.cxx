@@ -3,19 +3,15 @@
 // them. _core.pyi has its signatures. Vertices are x, y, z here; the modules turn them into NumPy's
 // order.
 #include "PythonErrors.h"
-#include "SourceVolume.h"
-#include "StoredVolume.h"
 #include "SurfaceArrays.h"
-#include "SurfaceFile.h"
-#include "SurfaceQueries.h"
 #include "VolumeWriting.h"
 
+#include "Formats/Files/SurfaceFile.h"
+#include "Formats/Files/SurfaceQueries.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Opener/ForeignVolume.h"
-#include "Formats/Source/FolderFiles.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/ParallelFor.h"
-#include "Ground/Volume/VolumeName.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -23,10 +19,8 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -49,46 +43,20 @@ int CountThreads(int wanted)
 /// What a name is of: "blocked volume", "edge index" or "source".
 std::string FindKind(const std::string& name)
 {
-  const VolumeName parsed = VolumeName::Parse(GetLocalFileSystem(), name);
-  std::error_code error;
-  if (!std::filesystem::exists(parsed.Path, error) &&
-    FindFittingNames(GetLocalFileSystem(), parsed.Path, nullptr).empty())
-  {
-    ThrowIfError({ StatusCode::NotFound, name + ": there is no such file or folder" });
-  }
-  if (std::filesystem::path(name).extension() == ".bvol")
-  {
-    return "blocked volume";
-  }
-  return SurfaceFile::CanRead(name) ? "edge index" : "source";
+  const auto kind = FindFileKind(name);
+  ThrowIfError(kind.GetStatus());
+  return *kind == FileKind::BlockedVolume ? "blocked volume"
+    : *kind == FileKind::Surface          ? "edge index"
+                                          : "source";
 }
 
-std::shared_ptr<VolumeFile> OpenStored(const std::string& path)
+std::shared_ptr<VolumeFile> OpenVolume(
+  const std::string& path, const std::string& axes, const std::string& folder, int threads)
 {
-  return RunWithoutGil(path, [&](const Progress&) { return StoredVolume::Open(path); });
-}
-
-std::shared_ptr<VolumeFile> OpenInPlace(
-  const std::string& path, const std::string& axes, int threads)
-{
-  return RunWithoutGil(
-    path, [&](const Progress&) { return SourceVolume::Open(path, axes, threads); });
-}
-
-/// The path of the index of a source, if there is one of the source as it is now.
-std::optional<py::bytes> FindIndex(
-  const std::string& path, const std::string& axes, const std::string& folder)
-{
-  SourceIndex index;
-  bool isCurrent = false;
-  {
-    const py::gil_scoped_release released;
-    FileSystem& files = GetLocalFileSystem();
-    index = SourceIndex::Find(files, path, "", axes, folder);
-    const auto state = FindIndexState(files, index);
-    isCurrent = state.IsOk() && *state == IndexState::Current;
-  }
-  return isCurrent ? std::optional(py::bytes(index.Path)) : std::nullopt;
+  return RunWithoutGil(path,
+    [&](const Progress&) {
+      return VolumeFile::Open(path, { axes, folder, threads });
+    });
 }
 
 /// Writes the index of a source. Gives what of it is left out.
@@ -430,10 +398,8 @@ PYBIND11_MODULE(_core, module)
   module.attr("MAGNITUDE") = Variable::Magnitude;
   module.attr("VALUE_TYPES") = ListValueTypes();
   module.def("find_kind", &FindKind, "name"_a);
-  module.def("open_stored", &OpenStored, "path"_a);
-  module.def("open_source", &OpenInPlace, "path"_a, "axes"_a, "threads"_a);
+  module.def("open_volume", &OpenVolume, "path"_a, "axes"_a, "folder"_a, "threads"_a);
   module.def("open_surface", &OpenSurface, "path"_a);
-  module.def("find_index", &FindIndex, "path"_a, "axes"_a, "folder"_a);
   module.def("list_datasets", &ListDatasets, "path"_a);
   module.def("read_attributes", &ReadAttributes, "path"_a, "axes"_a);
   module.def("write_index", &WriteIndex, "path"_a, "axes"_a, "folder"_a, "memory"_a, "threads"_a);

@@ -3,7 +3,7 @@
 #define isosurface_VolumeWriting_h
 
 #include "ArrayLikeSource.h"
-#include "VolumeFile.h"
+#include "Formats/Files/VolumeFile.h"
 
 #include "Storage/Writing/BlockedVolumeWriter.h"
 

@@ -85,11 +85,9 @@ class _Opened:
         self.threads = take_threads(threads)
         name = self.name = name_file(path)
         self.is_stored = _core.find_kind(name) == "blocked volume"
-        if self.is_stored:
-            self._file: Optional[_core.VolumeFile] = _core.open_stored(name)
-        else:
-            index = _core.find_index(name, take_text("axes", axes), os.fsencode(index_folder))
-            self._file = _core.open_stored(index) if index else _core.open_source(name, axes, self.threads)
+        self._file: Optional[_core.VolumeFile] = _core.open_volume(
+            name, take_text("axes", axes), os.fsencode(index_folder), self.threads
+        )
 
     @property
     def file(self) -> _core.VolumeFile:

@@ -2,7 +2,7 @@
 #ifndef isosurface_SurfaceQueries_h
 #define isosurface_SurfaceQueries_h
 
-#include "VolumeFile.h"
+#include "Formats/Files/VolumeFile.h"
 
 #include "Ranks/Islands/IslandChoice.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
@@ -49,6 +49,11 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
 /// The vertices of each block that the isosurfaces cross. Cost and errors: PlanQuery; GetBlocks.
 Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning);
+
+/// How many triangles the isosurfaces have in the whole volume. Cost and errors: EstimateTriangles of
+/// LevelChoice.h, and GetBlocks of the file.
+Result<double> EstimateTriangles(VolumeFile& file, const ContouredSamples& samples,
+  const SurfaceRequest& request, const Progress& progress = {});
 
 /// Cost and errors: BlockedVolume::GetSpectrum, and GetBlocks of the file.
 Result<std::shared_ptr<const WorkloadSpectrum>> ReadSpectrum(

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SurfaceQueries.h"
+#include "Formats/Files/SurfaceQueries.h"
 
 #include "Ground/Base/Communicator.h"
+#include "Ranks/Query/LevelChoice.h"
 #include "Ranks/Query/LevelExtraction.h"
 #include "Ranks/Sharing/QueryPlan.h"
 #include "Ranks/Sharing/StoreRecovery.h"
@@ -118,6 +119,13 @@ Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const Contoure
   };
   ISOSURFACE_RETURN_IF_ERROR(RunAlone(volume, warning, find));
   return boxes;
+}
+
+Result<double> EstimateTriangles(VolumeFile& file, const ContouredSamples& samples,
+  const SurfaceRequest& request, const Progress& progress)
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto searched, MakeQuery(file, samples, request, progress));
+  return EstimateTriangles(*searched.Volume, searched.Query, samples.Level);
 }
 
 Result<std::shared_ptr<const WorkloadSpectrum>> ReadSpectrum(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "StoredVolume.h"
+#include "Formats/Files/StoredVolume.h"
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Sampling/StoredBoxSource.h"

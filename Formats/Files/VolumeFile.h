@@ -9,10 +9,10 @@
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/VertexBox.h"
-#include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/SourceFiles.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +20,27 @@
 
 namespace isosurface
 {
+
+class BlockedVolume;
+
+/// What is in a file that can be opened.
+enum class FileKind : std::uint8_t
+{
+  BlockedVolume, ///< a .bvol
+  Surface,       ///< an edge-index file, for SurfaceFile
+  Source         ///< a volume of another format, or nothing that anybody reads
+};
+
+/// Looks at the name (VolumeName.h) and the first bytes. Error: NotFound if there is no such file or folder.
+Result<FileKind> FindFileKind(const std::string& name);
+
+/// How a volume of another format is opened.
+struct OpeningChoice
+{
+  std::string Axes;        ///< VolumeChoice::Axes
+  std::string IndexFolder; ///< where its index may be; empty: beside it
+  int Threads = 0;         ///< of GetBlocks, as BlockedVolumeSettings::Threads
+};
 
 /// One level of a volume.
 struct LevelDescription
@@ -55,6 +76,13 @@ class VolumeFile
 {
 public:
   virtual ~VolumeFile() = default;
+
+  /**
+   * Opens a blocked volume, or a file or folder of another format: by its index, if there is one of the
+   * file as it is now, else as it is. Errors and cost: BlockedVolume::Open, OpenForeignVolume.
+   */
+  static Result<std::shared_ptr<VolumeFile>> Open(
+    const std::string& name, const OpeningChoice& choice = {});
 
   virtual const std::string& GetPath() const = 0;
   virtual const std::vector<ArrayDescription>& GetArrays() const = 0;

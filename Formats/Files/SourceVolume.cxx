@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SourceVolume.h"
+#include "Formats/Files/SourceVolume.h"
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/AvailableMemory.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/MemoryFileSystem.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/ChunkedSource.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
@@ -215,7 +216,7 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
     // The next chosen slice.
     const std::int64_t taken = (slab.High[2] - request.Box.Low[2] + step - 1) / step;
     slab.Low[2] = request.Box.Low[2] + taken * step;
-    if (!progress(static_cast<double>(taken) / static_cast<double>(whole.High[2])))
+    if (progress && !progress(static_cast<double>(taken) / static_cast<double>(whole.High[2])))
     {
       return { StatusCode::Aborted, this->Path + ": reading was stopped" };
     }

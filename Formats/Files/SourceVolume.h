@@ -2,7 +2,7 @@
 #ifndef isosurface_SourceVolume_h
 #define isosurface_SourceVolume_h
 
-#include "VolumeFile.h"
+#include "Formats/Files/VolumeFile.h"
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Volume/VolumeOpener.h"

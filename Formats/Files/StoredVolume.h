@@ -2,9 +2,10 @@
 #ifndef isosurface_StoredVolume_h
 #define isosurface_StoredVolume_h
 
-#include "VolumeFile.h"
+#include "Formats/Files/VolumeFile.h"
 
 #include "Storage/Sampling/LevelSamples.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <map>
 #include <mutex>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "SurfaceFile.h"
+#include "Formats/Files/SurfaceFile.h"
 
 #include "Ground/Base/FileSystem.h"
 #include "Surface/Contour/TriangleNormals.h"
