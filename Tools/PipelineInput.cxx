@@ -14,7 +14,6 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
-#include "vtkNIFTIImageReader.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkOutputWindow.h"
@@ -138,8 +137,7 @@ vtkSmartPointer<vtkAlgorithm> MakeReaderOf(const std::string& path)
   static const std::map<std::string, Maker> makers = {
     { ".vti", MakeReader<vtkXMLImageDataReader> }, { ".pvti", MakeReader<vtkXMLPImageDataReader> },
     { ".vtr", MakeReader<vtkXMLRectilinearGridReader> },
-    { ".pvtr", MakeReader<vtkXMLPRectilinearGridReader> },
-    { ".hdr", MakeReader<vtkNIFTIImageReader> }, { ".img", MakeReader<vtkNIFTIImageReader> }
+    { ".pvtr", MakeReader<vtkXMLPRectilinearGridReader> }
   };
   const auto maker = makers.find(extension);
   if (maker != makers.end())

@@ -27,6 +27,8 @@ constexpr std::string_view Hdf5Mark = "\x89HDF\r\n\x1a\n";
 constexpr std::string_view DicomName = "DICOM";
 constexpr std::string_view TiffName = "TIFF";
 constexpr Mark DicomMark = { "DICM", 128 };
+constexpr std::string_view AnalyzeMark("\x5c\x01\0\0", 4);
+constexpr std::string_view BigEndianAnalyzeMark("\0\0\x01\x5c", 4);
 
 /// The first bytes of a file; fewer, or none, if it does not have them.
 std::string ReadStart(FileSystem& files, const std::string& path)
@@ -147,8 +149,9 @@ const std::vector<VolumeFormat>& GetFormats()
     { "MetaImage", { ".mhd", ".mha" }, {}, nullptr, { OpenRawVolume } },
     { "NRRD", { ".nrrd", ".nhdr" }, {}, nullptr, { OpenRawVolume } },
     { "NIfTI", { ".nii", ".nii.gz" },
-      { { "n+1", 344 }, { "ni1", 344 }, { "n+2", 4 }, { "ni2", 4 } }, nullptr,
-      { OpenNiftiVolume } },
+      { { "n+1", 344 }, { "ni1", 344 }, { "n+2", 4 }, { "ni2", 4 }, { AnalyzeMark },
+        { BigEndianAnalyzeMark } },
+      nullptr, { OpenNiftiVolume } },
     { "MRC", { ".mrc", ".mrc.gz", ".map", ".map.gz", ".ccp4", ".rec", ".ali", ".st", ".mrcs" },
       { { "MAP", 208 } }, nullptr, { OpenMrcVolume } },
     { "HDF5", { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims", ".dream3d", ".mat" },

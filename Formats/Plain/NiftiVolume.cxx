@@ -25,6 +25,7 @@ constexpr std::size_t SecondSize = 540;
 constexpr std::size_t ExtensionBytes = 4;
 constexpr std::pair<int, ValueType> Types[] = { { 2, ValueType::UInt8 }, { 4, ValueType::Int16 },
   { 8, ValueType::Int32 }, { 16, ValueType::Float32 }, { 64, ValueType::Float64 },
+  { 130, ValueType::Int8 }, { 132, ValueType::UInt16 }, { 136, ValueType::UInt32 }, // of SPM 99
   { 256, ValueType::Int8 }, { 512, ValueType::UInt16 }, { 768, ValueType::UInt32 },
   { 1024, ValueType::Int64 }, { 1280, ValueType::UInt64 } };
 
@@ -32,7 +33,14 @@ constexpr std::pair<int, const char*> OtherTypes[] = { { 1, "bits" }, { 32, "com
   { 128, "RGB" }, { 1536, "float128" }, { 1792, "complex128" }, { 2048, "complex256" },
   { 2304, "RGBA" } };
 
-/// The fields of both versions of the header.
+enum class NiftiKind
+{
+  First,
+  Second,
+  Analyze ///< Analyze 7.5, of which NIfTI-1 was made
+};
+
+/// The fields of all kinds of the header.
 struct NiftiFields
 {
   std::array<std::int64_t, 8> Dimensions{};
@@ -40,6 +48,7 @@ struct NiftiFields
   int Type = 0;
   double Offset = 0;
   int Units = 0; ///< "xyzt_units"
+  std::string Told;
   int Intent = 0;
   bool IsPair = false; ///< whether the samples are in a file of their own, from Offset on
   SampleScale Scale;
@@ -96,6 +105,71 @@ NiftiFields TakeSecondFields(const BinaryHeader& header)
   fields.Units = header.Get<std::int32_t>(500);
   fields.Intent = header.Get<std::int32_t>(504);
   fields.IsPair = header.HasText(4, "ni2");
+  return fields;
+}
+
+/// As SPM and nibabel take them: x runs to the left; a factor, an offset and the number of the sample at
+/// the origin (from 1) are in fields that Analyze itself does not use.
+NiftiFields TakeAnalyzeFields(FileSystem& files, const BinaryHeader& header)
+{
+  NiftiFields fields = TakeFirstFields(header);
+  fields.IsPair = true;
+  fields.FirstTime = 0;
+  fields.QformCode = 0;
+  fields.SformCode = 1;
+  fields.Units = header.HasText(56, "mm") ? 2 : 0;
+  fields.Rows = {};
+  bool hasOrigin = false;
+  bool isNear = true;
+  std::array<double, 3> origin{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const auto size = static_cast<double>(fields.Dimensions[axis + 1]);
+    origin[axis] = header.Get<std::int16_t>(253 + 2 * axis);
+    hasOrigin = hasOrigin || origin[axis] != 0;
+    isNear = isNear && origin[axis] > -size && origin[axis] < 2 * size;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const double distance = std::abs(fields.Distances[axis + 1]);
+    const double step = (axis == 0 ? -1 : 1) * (distance > 0 ? distance : 1);
+    const auto last =
+      static_cast<double>(std::max<std::int64_t>(fields.Dimensions[axis + 1], 1) - 1);
+    fields.Rows[axis][axis] = step;
+    fields.Rows[axis][3] = -step * (hasOrigin && isNear ? origin[axis] - 1 : last / 2) + 0.0;
+  }
+  AddNote(fields.Told,
+    std::string("Analyze 7.5, as SPM takes it: x runs to the left, the origin is ") +
+      (hasOrigin && isNear ? "the sample that its header names" : "the middle"));
+  const double slope = fields.Scale.Slope;
+  const double lowest = header.Get<std::int32_t>(144);
+  const double values = header.Get<std::int32_t>(140) - lowest;
+  const double least = header.Get<float>(128);
+  const double range = header.Get<float>(124) - least;
+  if (slope != 0 && std::isfinite(slope))
+  {
+    const double offset = fields.Scale.Intercept;
+    fields.Scale.Intercept = std::isfinite(offset) ? offset : 0;
+  }
+  else if (values != 0 && range != 0 && std::isfinite(range))
+  {
+    fields.Scale = { range / values, least - range / values * lowest };
+    AddNote(fields.Told, "its samples are scaled so that glmin to glmax become cal_min to cal_max");
+  }
+  if (fields.Units == 0 && header.Get<std::uint8_t>(56) != 0)
+  {
+    AddNote(fields.Told, "its unit of lengths (vox_units) is not kept");
+  }
+  if (header.Get<std::uint8_t>(252) != 0)
+  {
+    AddNote(fields.Told, "its orientation (orient) is not used");
+  }
+  const std::string matrix =
+    std::filesystem::path(header.GetPath()).replace_extension(".mat").string();
+  if (files.Exists(matrix))
+  {
+    AddNote(fields.Told, matrix + ", the place by SPM, is not read");
+  }
   return fields;
 }
 
@@ -178,7 +252,7 @@ void TakePlace(const NiftiFields& fields, GridGeometry& grid, std::string& told)
   }
 }
 
-Result<BinaryHeader> OpenHeader(FileSystem& files, const std::string& path, bool& isSecond)
+Result<BinaryHeader> OpenHeader(FileSystem& files, const std::string& path, NiftiKind& kind)
 {
   auto header = BinaryHeader::Open(files, path, FirstSize);
   ISOSURFACE_RETURN_IF_ERROR(header.GetStatus());
@@ -186,9 +260,9 @@ Result<BinaryHeader> OpenHeader(FileSystem& files, const std::string& path, bool
   {
     header->SetBigEndian(isBigEndian);
     const auto size = header->Get<std::int32_t>(0);
-    isSecond = size == SecondSize;
-    if (isSecond && (header->HasText(4, "n+2") || header->HasText(4, "ni2")))
+    if (size == SecondSize && (header->HasText(4, "n+2") || header->HasText(4, "ni2")))
     {
+      kind = NiftiKind::Second;
       header = BinaryHeader::Open(files, path, SecondSize);
       if (header.IsOk())
       {
@@ -196,8 +270,10 @@ Result<BinaryHeader> OpenHeader(FileSystem& files, const std::string& path, bool
       }
       return header;
     }
-    if (size == FirstSize && (header->HasText(344, "n+1") || header->HasText(344, "ni1")))
+    const bool isNifti = header->HasText(344, "n+1") || header->HasText(344, "ni1");
+    if (size == FirstSize && (isNifti || FindExtension(path) == ".hdr"))
     {
+      kind = isNifti ? NiftiKind::First : NiftiKind::Analyze;
       return header;
     }
   }
@@ -315,10 +391,13 @@ std::string FindNiftiHeader(const std::string& path)
 Result<OpenedVolume> OpenNiftiVolume(
   FileSystem& files, const VolumeName& name, const VolumeChoice& choice)
 {
-  bool isSecond = false;
+  NiftiKind kind = NiftiKind::First;
   const std::string path = FindNiftiHeader(name.Path);
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto header, OpenHeader(files, path, isSecond));
-  const NiftiFields fields = isSecond ? TakeSecondFields(header) : TakeFirstFields(header);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto header, OpenHeader(files, path, kind));
+  const bool isSecond = kind == NiftiKind::Second;
+  const NiftiFields fields = isSecond ? TakeSecondFields(header)
+    : kind == NiftiKind::Analyze      ? TakeAnalyzeFields(files, header)
+                                      : TakeFirstFields(header);
   RawVolume raw;
   raw.IsBigEndian = header.IsBigEndian();
   raw.IsGzip = header.IsGzip();
@@ -331,6 +410,7 @@ Result<OpenedVolume> OpenNiftiVolume(
   ISOSURFACE_RETURN_IF_ERROR(
     TakeVolume(header, fields, FindStart(fields, isSecond), choice.Step, raw));
   OpenedVolume volume;
+  volume.LeftOut = fields.Told;
   TakePlace(fields, raw.Grid, volume.LeftOut);
   if (fields.Dimensions[0] >= 4 && fields.Dimensions[4] > 1)
   {

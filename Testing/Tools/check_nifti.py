@@ -170,6 +170,33 @@ class GridsAndErrors(Files):
         os.remove(self.path("p.img"))
         self.assert_error("p.hdr", "p.img")
 
+    def test_analyze_is_scaled_and_placed_as_by_nibabel(self):
+        samples = make_samples("int16", (9, 8, 7))
+        for number, (told, places) in enumerate((
+                ("the middle", []), ("the middle", [(112, "f4", [0.5, -3])]), ("", [(253, "i2", [3, 2, -4])]),
+                ("the middle", [(112, "f4", [numpy.nan, 7]), (253, "i2", [300, 2, 4])]),
+                ("glmin to glmax", [(124, "f4", [10, 2]), (140, "i4", [100, 0])]),
+                ("orient", [(252, "u1", 3), (112, "f4", [2, numpy.inf])]))):
+            endianness = "<>"[number % 2]
+            header = nibabel.AnalyzeHeader(endianness=endianness)
+            header.set_data_dtype("int16")
+            header.set_data_shape((7, 8, 9))
+            header.set_zooms((2, 3, 4))
+            nibabel.AnalyzeImage(samples.T, None, header).to_filename(self.path("a.hdr"))
+            self.patch("a.hdr", *((place, endianness + dtype, values) for place, dtype, values in places),
+                       (56, "S4", b"mm"))
+            expected = nibabel.load(self.path("a.img"))
+            _, _, err = self.convert("a.img")
+            self.assertIn("Analyze 7.5", err)
+            self.assertIn(told, err)
+            image = nibabel.Nifti1Image(
+                expected.get_fdata().astype("int16" if number in (0, 2, 3) else "float32"), expected.affine)
+            image.header.set_xyzt_units("mm")
+            nibabel.save(image, self.path("n.nii"))
+            self.assert_equal_volumes(self.write("a.hdr", "o.bvol"), self.write("n.nii", "n.bvol"))
+        os.rename(self.path("a.hdr"), self.path("a.nii"))
+        self.assert_error("a.nii", "it is not a file of NIfTI")
+
     def test_vectors_and_halves_of_a_scale_are_refused(self):
         self.save("f.nii", make_samples("float32", (9, 8, 7))[None, None].repeat(3, 0))
         self.patch("f.nii", (68, "<i2", 1007))
