@@ -187,9 +187,12 @@ Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
   const auto bits = static_cast<int>(std::clamp(tags.GetNumber(0x00280100, 0), 0.0, 100.0));
   ISOSURFACE_RETURN_IF_ERROR(TakeBits(tags, bits, slice));
   slice.Scale = { tags.GetNumber(0x00281053, 1), tags.GetNumber(0x00281052, 0) };
-  // The images of CT say which type they have if it is not this one (PS3.3, C.8.2.1).
-  const std::string scaledTo = tags.GetText(0x00281054);
-  slice.IsHounsfield = scaledTo == "HU" || (scaledTo.empty() && slice.Modality == "CT");
+  // The images of CT say which type they have if it is not HU (PS3.3, C.8.2.1); US is "unspecified".
+  slice.Unit = tags.GetText(0x00281054);
+  slice.Unit = slice.Unit.empty() ? tags.GetText(0x00541001) : slice.Unit;
+  slice.Unit = slice.Unit.empty() && slice.Modality == "CT" ? "HU" : slice.Unit;
+  slice.Unit = slice.Unit == "US" ? "" : slice.Unit;
+  slice.Frame = tags.GetText(0x00200052);
   TakePlace(tags, slice);
   slice.ImageType = tags.GetText(0x00080008);
   for (std::size_t moment = 0; moment < slice.Moments.size(); ++moment)

@@ -39,7 +39,7 @@ struct DicomSlice
   std::optional<CompressedForm> Form; ///< of a compressed image, if its start tells
   int ValueBits = 8;                  ///< that samples may have
   SampleScale Scale;
-  bool IsHounsfield = false; ///< whether scaled samples are Hounsfield units
+  std::string Unit;          ///< of scaled samples: "HU", "BQML"; empty if the header tells none
   bool HasPlace = false;     ///< whether the next four are in the header
   Vector3 Position{};        ///< of the first pixel, in millimetres: left, back, up
   double PositionUnit = 0;   ///< a step of the last digit of those, in millimetres
@@ -49,6 +49,7 @@ struct DicomSlice
   double RowDistance = 1;    ///< between rows
   double ColumnDistance = 1;
   double SliceDistance = 0; ///< SpacingBetweenSlices; 0: it is not in the header
+  std::string Frame;        ///< UID of the Frame of Reference
   std::string ImageType;    ///< "ORIGINAL\PRIMARY\AXIAL"
   /// What may differ between images of one place: those of DicomSlice::MomentNames.
   std::array<std::string, 8> Moments;

@@ -238,6 +238,30 @@ bool IsInStep(
     (fault <= std::min(uncertainty, 0.4 * distance) && findFault(0) <= uncertainty);
 }
 
+/// Names the two slices whose distance differs most from the usual one.
+Status MakeGapError(const Slices& slices, const Vector3& normal)
+{
+  const auto gap = [&](std::size_t slice)
+  { return Dot(Subtract(slices[slice].Position, slices[slice - 1].Position), normal); };
+  std::vector<double> gaps;
+  for (std::size_t slice = 1; slice < slices.size(); ++slice)
+  {
+    gaps.push_back(gap(slice));
+  }
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  const double usual = *middle;
+  std::size_t worst = 1;
+  for (std::size_t slice = 2; slice < slices.size(); ++slice)
+  {
+    worst = std::abs(gap(slice) - usual) > std::abs(gap(worst) - usual) ? slice : worst;
+  }
+  return MakeError(StatusCode::Unsupported, slices[worst],
+    "its distance to " + slices[worst - 1].Path + " is " + std::to_string(gap(worst)) +
+      ", that of most others " + std::to_string(usual) +
+      ": a slice is missing, or their distances differ");
+}
+
 } // namespace
 
 Status SortSlices(Slices& slices, PassedOver& over)
@@ -270,13 +294,9 @@ Status TakeGrid(const Slices& slices, OpenedVolume& volume)
   }
   for (std::size_t slice = 1; slice < slices.size(); ++slice)
   {
-    const Vector3 moved = Subtract(slices[slice].Position, slices[slice - 1].Position);
     if (!IsInStep(slices, slice, step, distance, uncertainty))
     {
-      return MakeError(StatusCode::Unsupported, slices[slice],
-        "its distance to " + slices[slice - 1].Path + " is " + std::to_string(Dot(moved, normal)) +
-          ", that of the others " + std::to_string(distance) +
-          " on average: a slice is missing, or their distances differ");
+      return MakeGapError(slices, normal);
     }
   }
   GridGeometry& grid = volume.Grid;

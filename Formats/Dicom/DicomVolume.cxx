@@ -3,6 +3,7 @@
 
 #include "Formats/Dicom/DicomSeries.h"
 #include "Formats/Dicom/DicomStack.h"
+#include "Formats/Source/AxisUnits.h"
 #include "Ground/Volume/PageBuffer.h"
 
 #include <algorithm>
@@ -119,12 +120,24 @@ ValueType FindType(const Slices& slices)
                                                  : ValueType::Float64;
 }
 
+bool IsSame(const Slices& slices, std::string DicomSlice::*text)
+{
+  return std::all_of(slices.begin(), slices.end(),
+    [&](const DicomSlice& slice) { return slice.*text == slices[0].*text; });
+}
+
 /// What of the slices is not obeyed, of the first that has some of it.
 std::string FindNotes(const Slices& slices)
 {
   const auto noted = std::find_if(
     slices.begin(), slices.end(), [](const DicomSlice& slice) { return !slice.Notes.empty(); });
-  return noted == slices.end() ? "" : noted->Notes;
+  std::string notes = noted == slices.end() ? "" : noted->Notes;
+  if (!IsSame(slices, &DicomSlice::Frame))
+  {
+    AddNote(
+      notes, "its slices have several Frames of Reference, and are placed as if they had one");
+  }
+  return notes;
 }
 
 Result<OpenedVolume> OpenDicomVolume(
@@ -140,9 +153,8 @@ Result<OpenedVolume> OpenDicomVolume(
     volume.LeftOut += (volume.LeftOut.empty() || text.empty() ? "" : "; ") + text;
   }
   const ValueType type = FindType(slices);
-  const bool isHounsfield = std::all_of(
-    slices.begin(), slices.end(), [](const DicomSlice& slice) { return slice.IsHounsfield; });
-  volume.Arrays = { { "DICOM", type, 1, isHounsfield ? "HU" : "" } };
+  const bool hasUnit = IsSame(slices, &DicomSlice::Unit);
+  volume.Arrays = { { "DICOM", type, 1, hasUnit ? slices.front().Unit : "" } };
   for (const DicomSlice& slice : slices)
   {
     volume.Files.push_back(slice.Path);

@@ -120,6 +120,22 @@ class Series(Files):
                 with open(path, encoding="utf-8") as file:
                     self.assertEqual(json.load(file)["arrays"][0].get("unit"), unit)
 
+    def test_units_of_samples_and_frames_of_reference(self):
+        samples = make_samples("int16", SHAPE)
+        for scaled_to, modality, units, expected in (("OD", "CT", None, "OD"), ("US", "CT", None, ""),
+                                                     ("", "PT", "BQML", "BQML"), ("", "MR", None, "")):
+            name = self.save("u", samples, modality=modality, scaled_to=scaled_to)
+            for number, path in enumerate(sorted(os.listdir(os.path.dirname(name)))):
+                path = os.path.join(os.path.dirname(name), path)
+                file = dcmread(path)
+                file.FrameOfReferenceUID = f"1.2.{number % 2}"
+                if units:
+                    file.Units = units
+                file.save_as(path)
+            _, arrays, err = self.convert("u")
+            self.assertEqual(arrays, {"DICOM": expected})
+            self.assertIn("several Frames of Reference", err)
+
     def test_in_place(self):
         samples = make_samples("int16", SHAPE)
         last = self.save("p", samples, syntax=RLELossless)
