@@ -299,7 +299,8 @@ private:
     }
     ISOSURFACE_RETURN_IF_ERROR(this->TakeSeparator(FindJsonText(json, "dimension_separator", ".")));
     this->Metadata.HasSeparator = json.contains("dimension_separator");
-    this->TakeNames(FindJson(this->Node.Attributes, "_ARRAY_DIMENSIONS"));
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->TakeNames(FindJson(this->Node.Attributes, "_ARRAY_DIMENSIONS")));
     return Status::Ok();
   }
 
@@ -314,16 +315,17 @@ private:
     return Status::Ok();
   }
 
-  void TakeNames(const Json& names)
+  Status TakeNames(const Json& names)
   {
-    if (names.is_array() && names.size() == this->Metadata.Shape.size())
+    if (!names.is_null() && (!names.is_array() || names.size() != this->Metadata.Shape.size()))
     {
-      for (const Json& name : names)
-      {
-        this->Metadata.DimensionNames.push_back(
-          name.is_string() ? name.get<std::string>() : std::string());
-      }
+      return this->Corrupt("do not name each axis");
     }
+    for (const Json& name : names)
+    {
+      this->Metadata.DimensionNames.push_back(GetJsonText(name));
+    }
+    return Status::Ok();
   }
 
   Status ParseThird()
@@ -342,6 +344,18 @@ private:
     this->Metadata.Shard = this->Metadata.Chunk;
     ISOSURFACE_RETURN_IF_ERROR(this->TakeType(FindJsonText(json, "data_type", "an extension")));
     ISOSURFACE_RETURN_IF_ERROR(this->TakeFill(FindJson(json, "fill_value")));
+    const std::string known =
+      " zarr_format node_type shape data_type chunk_grid chunk_key_encoding "
+      "fill_value codecs attributes storage_transformers dimension_names "
+      "consolidated_metadata ";
+    for (const auto& [name, member] : json.items())
+    {
+      const Json& isNeeded = FindJson(member, "must_understand");
+      if (known.find(" " + name + " ") == std::string::npos && isNeeded != Json(false))
+      {
+        return this->Unsupported("it has \"" + name + "\", which is not known");
+      }
+    }
     const Json& transformers = FindJson(json, "storage_transformers");
     if (transformers.is_array() && !transformers.empty())
     {
@@ -356,7 +370,7 @@ private:
     ISOSURFACE_RETURN_IF_ERROR(this->TakeSeparator(
       FindJsonText(FindJson(keys, "configuration"), "separator", encoding == "v2" ? "." : "/")));
     this->Metadata.KeyPrefix = encoding == "v2" ? "" : "c" + this->Metadata.Separator;
-    this->TakeNames(FindJson(json, "dimension_names"));
+    ISOSURFACE_RETURN_IF_ERROR(this->TakeNames(FindJson(json, "dimension_names")));
     this->SetOrder(false);
     return this->TakeCodecs(FindJson(json, "codecs"), true);
   }

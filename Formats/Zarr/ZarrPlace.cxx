@@ -25,42 +25,59 @@ using Three = std::array<double, 3>;
 /// Coordinates are kept as numbers.
 constexpr std::int64_t MaximumCoordinates = std::int64_t{ 1 } << 24;
 
-/// The first three numbers of a list, which are of x, y and z; the other way round if `isReversed`.
-bool TakeThree(const Json& list, Three& numbers, bool isReversed = false)
+/// Where a list of numbers has that of x, y or z. Without axes x is the first one; otherwise the list has
+/// the order of the array, and numbers of all axes or of these three.
+std::size_t FindNumber(const ArrayAxes* axes, std::size_t axis, std::size_t size)
 {
-  if (!list.is_array() || list.size() < 3 ||
-    !std::all_of(list.begin(), list.begin() + 3, [](const Json& one) { return one.is_number(); }))
+  if (!axes)
   {
-    return false;
+    return axis;
   }
+  const std::array<int, 3> places{ axes->X, axes->Y, axes->Z };
+  const int place = places[axis];
+  return static_cast<std::size_t>(size != 3
+      ? place
+      : std::count_if(places.begin(), places.end(), [place](int other) { return other < place; }));
+}
+
+/// The numbers of x, y and z in a list.
+bool TakeThree(const Json& list, Three& numbers, const ArrayAxes* axes = nullptr)
+{
+  Three found{};
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    numbers[axis] = list[isReversed ? 2 - axis : axis].get<double>();
+    const std::size_t at = list.is_array() ? FindNumber(axes, axis, list.size()) : 0;
+    if (at >= list.size() || !list.is_array() || !list[at].is_number())
+    {
+      return false;
+    }
+    found[axis] = list[at].get<double>();
   }
+  numbers = found;
   return true;
 }
 
 /// Distances of samples, and their units. Attributes of N5, and pixelResolution, have x first; those of
-/// arrays of Zarr the order of the array, z first.
+/// arrays of Zarr the order of the array.
 struct Resolution
 {
   bool IsTold = false;
   Three Distances{ 1, 1, 1 };
   std::array<std::string, 3> Units;
 
-  explicit Resolution(const ZarrNode& node)
+  /// `axes`: null of N5.
+  Resolution(const ZarrNode& node, const ArrayAxes* axes)
   {
-    const bool isReversed = node.Version != 5;
     const Json& pixel = FindJson(node.Attributes, "pixelResolution");
     const Json& distances = pixel.is_object() ? FindJson(pixel, "dimensions") : pixel;
     this->IsTold = TakeThree(distances, this->Distances) ||
-      TakeThree(FindJson(node.Attributes, "resolution"), this->Distances, isReversed) ||
-      TakeThree(FindJson(node.Attributes, "voxel_size"), this->Distances, isReversed);
+      TakeThree(FindJson(node.Attributes, "resolution"), this->Distances, axes) ||
+      TakeThree(FindJson(node.Attributes, "voxel_size"), this->Distances, axes);
     const Json& unit = FindJson(pixel, "unit");
     const Json& units = unit.is_null() ? FindJson(node.Attributes, "units") : unit;
     for (std::size_t axis = 0; axis < 3 && this->IsTold; ++axis)
     {
-      const std::size_t at = isReversed ? 2 - axis : axis;
+      const std::size_t at = FindNumber(axes, axis, units.size());
       this->Units[axis] = GetJsonText(units.is_array() && at < units.size() ? units[at] : units);
     }
   }
@@ -188,8 +205,10 @@ bool TakeTransform(const Json& transform, ZarrPlace& place)
   return true;
 }
 
-ZarrPlace FindZarrPlace(FileSystem& files, const std::string& folder, const ZarrNode& node)
+ZarrPlace FindZarrPlace(
+  FileSystem& files, const std::string& folder, const ZarrNode& node, const ArrayAxes& arrayAxes)
 {
+  const ArrayAxes* const axes = node.Version == 5 ? nullptr : &arrayAxes;
   ZarrPlace place;
   if (TakeTransform(FindJson(node.Attributes, "transform"), place))
   {
@@ -201,12 +220,12 @@ ZarrPlace FindZarrPlace(FileSystem& files, const std::string& folder, const Zarr
     ReadNode(files, parent.parent_path()) };
   const auto level = FindLevelNumber(path.filename().string());
   const Three factors = FindFactors(node, groups, level);
-  const Resolution own(node);
-  Resolution full(groups[0]);
-  full = full.IsTold ? full : Resolution(groups[1]);
+  const Resolution own(node, axes);
+  Resolution full(groups[0], axes);
+  full = full.IsTold ? full : Resolution(groups[1], axes);
   if (!full.IsTold && level && *level > 0)
   {
-    full = Resolution(ReadNode(files, parent / "s0"));
+    full = Resolution(ReadNode(files, parent / "s0"), axes);
   }
   const bool isOfLevel = own.IsTold && full.IsTold && !own.IsNear(full);
   const Resolution& known = own.IsTold ? own : full;
@@ -215,7 +234,7 @@ ZarrPlace FindZarrPlace(FileSystem& files, const std::string& folder, const Zarr
     place.Spacing[axis] = known.Distances[axis] * (isOfLevel ? 1 : factors[axis]);
     place.Origin[axis] = place.Spacing[axis] * (0.5 - 0.5 / factors[axis]);
   }
-  TakeThree(FindJson(node.Attributes, "offset"), place.Origin, node.Version != 5);
+  TakeThree(FindJson(node.Attributes, "offset"), place.Origin, axes);
   place.Units = known.Units[0].empty() ? full.Units : known.Units;
   return place;
 }

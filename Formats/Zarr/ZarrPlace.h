@@ -2,6 +2,7 @@
 #ifndef isosurface_ZarrPlace_h
 #define isosurface_ZarrPlace_h
 
+#include "Formats/Source/StoredArray.h"
 #include "Formats/Zarr/ZarrMetadata.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Volume/GridGeometry.h"
@@ -35,7 +36,8 @@ bool TakeTransform(const nlohmann::json& transform, ZarrPlace& place);
  *
  * Sources: saalfeldlab/n5-viewer, n5-universe and bigdataviewer-core; the attributes of OpenOrganelle.
  */
-ZarrPlace FindZarrPlace(FileSystem& files, const std::string& folder, const ZarrNode& node);
+ZarrPlace FindZarrPlace(
+  FileSystem& files, const std::string& folder, const ZarrNode& node, const ArrayAxes& arrayAxes);
 
 /**
  * Takes the coordinates of xarray (or of netCDF in Zarr): arrays of one axis beside the array, which have
