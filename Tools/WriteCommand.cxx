@@ -140,16 +140,16 @@ Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
   ISOSURFACE_RETURN_IF_ERROR(
     ranks.Agree(volume.IsOk() ? CheckOutput(options, *volume) : volume.GetStatus(),
       { { steps, options.Input + ": the ranks see different numbers of time steps" } }));
-  if (ranks.GetRank() == 0 && !options.IsQuiet && !volume->LeftOut.empty())
-  {
-    std::fprintf(stderr, "blockvolume: %s: %s\n", options.Input.c_str(),
-      MakePrintable(volume->LeftOut).c_str());
-  }
   if (steps > 1 && options.Settings.Time)
   {
     return Status(StatusCode::InvalidArgument,
       "--time: " + options.Input + " has " + std::to_string(steps) +
         " time steps; --step chooses one");
+  }
+  if (ranks.GetRank() == 0 && !options.IsQuiet && !volume->LeftOut.empty())
+  {
+    std::fprintf(stderr, "blockvolume: %s: %s\n", options.Input.c_str(),
+      MakePrintable(volume->LeftOut).c_str());
   }
   // All become visible with the last one, so that an error of any leaves an older volume.
   BlockedVolumeWriter writer(ranks);

@@ -27,16 +27,6 @@ std::string FindName(const std::string& path)
   return path.substr(path.rfind('/') + 1);
 }
 
-/// The letter of an axis that is named so; 0 if the name tells none.
-char FindLetter(const std::string& name)
-{
-  const std::string lower = LowerText(name);
-  return lower == "time"                                     ? 't'
-    : lower == "channel" || lower == "channels"              ? 'c'
-    : lower.size() == 1 && lower.find_first_of("xyztc") == 0 ? lower[0]
-                                                             : '\0';
-}
-
 /// An attribute of one whole number, which Imaris writes as text.
 std::int64_t ReadCount(const Hdf5File& file, const std::string& object, const std::string& name)
 {
@@ -72,9 +62,9 @@ public:
     this->ReadNexus();
     this->ReadEmd();
     this->ReadTags();
-    this->FindLetters();
-    const std::string chosen = letters.empty() ? this->Found.Letters : letters;
-    if (const auto axes = ArrayAxes::Parse(chosen, this->Shape); axes.IsOk())
+    std::string told;
+    const std::string likely = letters.empty() ? this->FindLetters(told) : letters;
+    if (const auto axes = ArrayAxes::Parse(likely, this->Shape.size()); axes.IsOk())
     {
       const int places[] = { axes->X, axes->Y, axes->Z };
       for (std::size_t axis = 0; axis < 3; ++axis)
@@ -89,6 +79,12 @@ public:
     this->ReadItk();
     this->ReadImaris();
     this->ReadPrograms();
+    const bool isGiven = !this->Found.Letters.empty() && letters.empty();
+    this->Found.Letters = isGiven ? this->Found.Letters : likely;
+    if (!isGiven && !told.empty())
+    {
+      this->Found.AddNote(told);
+    }
     return std::move(this->Found);
   }
 
@@ -185,27 +181,18 @@ private:
     }
   }
 
-  void FindLetters()
+  std::string FindLetters(std::string& told) const
   {
     std::string letters;
     std::string names;
     bool isNamed = false;
     for (const AxisWords& words : this->Axes)
     {
-      const char letter = FindLetter(words.Name);
-      letters += letter != 0 ? std::string(1, letter) : "?";
+      letters += ArrayAxes::FindLetter(words.Name);
       names += (names.empty() ? "" : ", ") + (words.Name.empty() ? "?" : words.Name);
       isNamed = isNamed || !words.Name.empty();
     }
-    if (ArrayAxes::Parse(letters, this->Axes.size()).IsOk())
-    {
-      this->Found.Letters = letters;
-    }
-    else if (isNamed)
-    {
-      this->Found.AddNote("its axes are named " + names +
-        ", which are taken in the usual order; --axes says what they are");
-    }
+    return ArrayAxes::Guess(this->Shape, letters, isNamed ? names : "", told);
   }
 
   void TakePlace(std::size_t axis, const AxisWords& words, std::int64_t size)

@@ -30,7 +30,7 @@ namespace isosurface
  */
 struct Hdf5Description
 {
-  std::string Letters;        ///< of the axes, if the file names all of them; otherwise empty
+  std::string Letters;        ///< of the axes: those given, or the file's, or likely ones
   StoredArray::Numbers Shape; ///< of what the dataset has samples of, if that is less
   bool IsUnsigned = false;    ///< samples of int16 are those of uint16
   GridGeometry Place;         ///< spacing, origin and direction

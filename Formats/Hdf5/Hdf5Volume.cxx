@@ -106,8 +106,7 @@ Result<OpenedVolume> OpenDataset(
   Hdf5Description description = Hdf5Description::Read(file, path, whole->GetShape(), choice.Axes);
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto array, file.OpenArray(path, choice.CacheBytes, description.Shape, description.IsUnsigned));
-  const auto axes =
-    ArrayAxes::Parse(choice.Axes.empty() ? description.Letters : choice.Axes, array->GetShape());
+  const auto axes = ArrayAxes::Parse(description.Letters, array->GetShape().size());
   if (!axes.IsOk())
   {
     return AddObject(name, path, axes.GetStatus());

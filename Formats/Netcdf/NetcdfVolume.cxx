@@ -106,13 +106,13 @@ private:
                 : "name one of its variables, as in " + this->Name.Path + ":variable: " + known));
   }
 
-  /// x, y, z or t, if the coordinates of an axis tell; otherwise a space.
+  /// x, y, z or t, if the coordinates of an axis tell; otherwise "?".
   char FindRole(std::size_t axis) const
   {
     const NetcdfVariable* coordinate = this->File.FindCoordinate(*this->Variable, axis);
     if (!coordinate)
     {
-      return ' ';
+      return '?';
     }
     const auto text = [&](const char* attribute)
     { return LowerText(this->File.ReadText(*coordinate, attribute).value_or("")); };
@@ -134,46 +134,38 @@ private:
       return 'y';
     }
     const bool hasDirection = !text("positive").empty();
-    return standard == "time" || Contains(units, " since ") ? 't' : hasDirection ? 'z' : ' ';
+    return standard == "time" || Contains(units, " since ") ? 't' : hasDirection ? 'z' : '?';
   }
 
   Status FindAxes()
   {
     std::string letters = this->Choice.Axes;
     const std::size_t rank = this->Variable->Shape.size();
-    if (letters.empty() && (rank == 3 || rank == 4))
+    std::string dimensions;
+    for (const std::string& name : this->Variable->Dimensions)
     {
-      const bool hasComponent =
-        rank == 4 && this->Variable->Shape.back() == 1 && this->FindRole(rank - 1) == ' ';
-      const std::string order = rank == 3 ? "zyx" : hasComponent ? "zyxc" : "tzyx";
+      dimensions += (dimensions.empty() ? "" : ", ") + name;
+    }
+    if (letters.empty())
+    {
       std::string roles;
       for (std::size_t axis = 0; axis < rank; ++axis)
       {
         roles += this->FindRole(axis);
       }
-      // An axis that tells nothing has the first role, in the usual order, that no other has.
       for (std::size_t axis = 0; axis < rank; ++axis)
       {
-        const char usual = order[axis];
-        roles[axis] = roles[axis] == ' ' && !Contains(roles, std::string(1, usual).c_str())
-          ? usual
-          : roles[axis];
+        const char named = ArrayAxes::FindLetter(this->Variable->Dimensions[axis]);
+        const bool isFree = named != '?' && roles.find(named) == std::string::npos;
+        roles[axis] = roles[axis] == '?' && isFree ? named : roles[axis];
       }
-      for (char& role : roles)
-      {
-        const std::size_t free = order.find_first_not_of(roles);
-        role = role == ' ' && free != std::string::npos ? order[free] : role;
-      }
-      letters = roles;
+      letters = Contains(roles, "?")
+        ? ArrayAxes::Guess(this->Variable->Shape, roles, dimensions, this->Volume.LeftOut)
+        : roles;
     }
-    const auto axes = ArrayAxes::Parse(letters, this->Variable->Shape);
+    const auto axes = ArrayAxes::Parse(letters, rank);
     if (!axes.IsOk())
     {
-      std::string dimensions;
-      for (const std::string& name : this->Variable->Dimensions)
-      {
-        dimensions += (dimensions.empty() ? "" : ", ") + name;
-      }
       return this->MakeError(axes.GetStatus().GetCode(),
         axes.GetStatus().GetMessage() + " (its dimensions are " + dimensions +
           "; --axes says what they are)");

@@ -1,6 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Source/StoredArray.h"
 
+#include "Formats/Source/AxisUnits.h"
+#include "Formats/Source/TextFields.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <utility>
+
 namespace isosurface
 {
 
@@ -14,11 +22,65 @@ std::string JoinNumbers(const StoredArray::Numbers& numbers)
   return text;
 }
 
-Result<ArrayAxes> ArrayAxes::Parse(const std::string& letters, const StoredArray::Numbers& shape)
+char ArrayAxes::FindLetter(const std::string& name)
+{
+  const std::string lower = " " + LowerText(name) + " ";
+  const std::pair<char, const char*> known[] = { { 't', " t time " },
+    { 'c', " c channel channels " }, { 'z', " z depth height altitude level lev " },
+    { 'y', " y lat latitude " }, { 'x', " x lon longitude " } };
+  const auto* const found = std::find_if(std::begin(known), std::end(known),
+    [&lower](const auto& letter)
+    { return lower.size() > 2 && std::string(letter.second).find(lower) != std::string::npos; });
+  return found == std::end(known) ? '?' : found->first;
+}
+
+std::string ArrayAxes::Guess(const StoredArray::Numbers& shape, const std::string& known,
+  const std::string& names, std::string& told)
 {
   const std::size_t rank = shape.size();
-  const bool hasComponent = letters.empty() && (rank == 4 || rank == 5) && shape.back() == 1;
-  return Parse(!hasComponent ? letters : rank == 4 ? "zyxc" : "tzyxc", rank);
+  if (rank < 3 || rank > 5)
+  {
+    return {}; // of which Parse() knows what to say
+  }
+  if (!known.empty() && Parse(known, rank).IsOk())
+  {
+    return known;
+  }
+  const std::int64_t last = shape.back();
+  const auto others = static_cast<std::ptrdiff_t>(std::min<std::size_t>(rank - 1, 3));
+  const std::int64_t least = *std::min_element(shape.end() - 1 - others, shape.end() - 1);
+  const bool isColor = last <= 4 && least > 4;
+  const bool isNamed = !known.empty() && known.back() != '?';
+  const std::string usual = rank == 3    ? "zyx"
+    : isNamed || (last != 1 && !isColor) ? (rank == 4 ? "tzyx" : "tczyx")
+                                         : (rank == 4 ? "zyxc" : "tzyxc");
+  std::string letters;
+  for (const char letter : known)
+  {
+    letters += letters.find(letter) == std::string::npos ? letter : '?';
+  }
+  letters.resize(rank, '?');
+  // An axis that tells nothing has the first letter, in the usual order, that no other has.
+  for (std::size_t axis = 0; axis < rank; ++axis)
+  {
+    const bool isFree = letters.find(usual[axis]) == std::string::npos;
+    letters[axis] = letters[axis] == '?' && isFree ? usual[axis] : letters[axis];
+  }
+  for (char& letter : letters)
+  {
+    const std::size_t free = usual.find_first_not_of(letters);
+    letter = letter == '?' && free != std::string::npos ? usual[free] : letter;
+  }
+  letters = Parse(letters, rank).IsOk() ? letters : usual;
+  // Three axes may be a picture in colors.
+  const bool isLikely = rank == 3 ? !isColor || least < 16 : letters == "zyxc" && last == 1;
+  if (!names.empty() || !isLikely)
+  {
+    AddNote(told,
+      "its axes" + (names.empty() ? ", without names," : ", named " + names + ",") +
+        " are taken as " + letters + "; --axes says what they are");
+  }
+  return letters;
 }
 
 Result<ArrayAxes> ArrayAxes::Parse(const std::string& letters, std::size_t rank)

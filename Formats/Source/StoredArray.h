@@ -57,9 +57,14 @@ struct ArrayAxes
   /// From a letter an axis, the slowest first: x, y and z, and perhaps t and c, each once. An empty
   /// text stands for "zyx", "tzyx" or "tczyx", as `rank` wants. Error: a sentence without a file.
   static Result<ArrayAxes> Parse(const std::string& letters, std::size_t rank);
-  /// Of an array of that shape. Without letters, a last axis of one sample behind three or four others
-  /// is that of a component: "zyxc" or "tzyxc".
-  static Result<ArrayAxes> Parse(const std::string& letters, const StoredArray::Numbers& shape);
+  /// The letter of an axis of that name: "z" of "Depth"; "?" if the name tells none.
+  static char FindLetter(const std::string& name);
+  /// The letters of axes, of which `known` has those that a file tells, and "?" for others; or nothing.
+  /// Others are those that Parse() takes without letters; but a last axis of one sample behind three or four
+  /// others, or of up to four behind longer ones, is that of components. What is not certain is told, with
+  /// the axes' names, if they have some.
+  static std::string Guess(const StoredArray::Numbers& shape, const std::string& known,
+    const std::string& names, std::string& told);
 };
 
 } // namespace isosurface

@@ -192,24 +192,7 @@ private:
     return this->OpenArray(this->Folder, node, {}, {}, false);
   }
 
-  /// The letter of an axis of this name; "?" if it stands for nothing that is known.
-  static char FindLetter(const std::string& given)
-  {
-    const std::string name = LowerText(given);
-    const std::pair<char, std::vector<const char*>> known[] = { { 't', { "t", "time" } },
-      { 'c', { "c", "channel" } }, { 'z', { "z", "depth", "height", "altitude", "level", "lev" } },
-      { 'y', { "y", "lat", "latitude" } }, { 'x', { "x", "lon", "longitude" } } };
-    for (const auto& [letter, names] : known)
-    {
-      if (std::any_of(names.begin(), names.end(), [&](const char* one) { return name == one; }))
-      {
-        return letter;
-      }
-    }
-    return '?';
-  }
-
-  /// The letters of an array's axes, the slowest first; empty if their names do not tell them.
+  /// The letters of an array's axes, the slowest first; likely ones if their names do not tell them.
   std::string FindArrayLetters(const ZarrNode& node, const ZarrMetadata& metadata)
   {
     std::vector<std::string> names = metadata.DimensionNames;
@@ -217,23 +200,18 @@ private:
     {
       names = ListPaths(FindJson(node.Attributes, "axes"));
       // N5 has the fastest one first; COSEM, which counts as NumPy does, the slowest one.
-      if (!names.empty() && FindLetter(names.front()) == 'x')
+      if (!names.empty() && ArrayAxes::FindLetter(names.front()) == 'x')
       {
         std::reverse(names.begin(), names.end());
       }
     }
     std::string letters;
-    std::transform(names.begin(), names.end(), std::back_inserter(letters), FindLetter);
-    const bool isKnown = letters.find('?') == std::string::npos &&
-      letters.size() == metadata.Shape.size() && ArrayAxes::Parse(letters, letters.size()).IsOk();
+    std::transform(names.begin(), names.end(), std::back_inserter(letters), ArrayAxes::FindLetter);
     const bool isNamed = std::any_of(
       names.begin(), names.end(), [](const std::string& name) { return !name.empty(); });
-    if (!isKnown && isNamed)
-    {
-      AddNote(this->Volume.LeftOut,
-        "the names of its axes (" + JoinTexts(names) + ") do not tell x, y and z; --axes does");
-    }
-    return isKnown ? letters : std::string();
+    std::replace(names.begin(), names.end(), std::string(), std::string("?"));
+    return ArrayAxes::Guess(
+      metadata.Shape, letters, isNamed ? JoinTexts(names) : "", this->Volume.LeftOut);
   }
 
   /// The name of the array: that of the folder.
@@ -255,7 +233,7 @@ private:
     std::string axisLetters = this->Choice.Axes.empty() ? letters : this->Choice.Axes;
     axisLetters = axisLetters.empty() ? this->FindArrayLetters(node, metadata) : axisLetters;
     const std::vector<std::string> names = metadata.DimensionNames;
-    const auto axes = ArrayAxes::Parse(axisLetters, metadata.Shape);
+    const auto axes = ArrayAxes::Parse(axisLetters, metadata.Shape.size());
     if (!axes.IsOk())
     {
       return this->MakeError(axes.GetStatus().GetCode(), folder, axes.GetStatus().GetMessage());
@@ -277,16 +255,27 @@ private:
     return Status::Ok();
   }
 
-  /// Attributes of CF, as xarray writes them, and of others that would place or scale the samples.
+  /// Tells the attributes of an array that nothing here is read from.
   void NoteAttributes(const Json& attributes)
   {
-    for (const char* const name : { "scale_factor", "add_offset", "_FillValue", "missing_value",
-           "spacing", "origin", "direction", "affine", "element_size_um" })
+    const std::string used =
+      " _ARRAY_DIMENSIONS axes blockSize compression compressionType dataType dimensions "
+      "downsamplingFactors n5 offset pixelResolution resolution scales transform units voxel_size ";
+    std::vector<std::string> unused;
+    for (const auto& [name, value] : attributes.items())
     {
-      if (const Json& value = FindJson(attributes, name); !value.is_null())
+      const bool isList = value.is_array() && value.size() >= 3 && value.size() <= 5;
+      const bool isBroken =
+        !isList && (name == "resolution" || name == "voxel_size" || name == "offset");
+      if (used.find(" " + name + " ") == std::string::npos || isBroken)
       {
-        AddNote(this->Volume.LeftOut, std::string(name) + ", " + value.dump() + ", is not applied");
+        std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+        unused.push_back(name + (text.size() > 40 ? "" : " " + text));
       }
+    }
+    if (!unused.empty())
+    {
+      AddNote(this->Volume.LeftOut, "attributes that are not used: " + JoinTexts(unused));
     }
   }
 
@@ -294,7 +283,7 @@ private:
     const std::string& folder, const ZarrNode& node, const std::vector<std::string>& names)
   {
     GridGeometry& grid = this->Volume.Grid;
-    const ZarrPlace place = FindZarrPlace(this->Files, folder, node);
+    const ZarrPlace place = FindZarrPlace(this->Files, folder, node, this->Axes);
     grid.Spacing = place.Spacing;
     grid.Origin = place.Origin;
     TakeLengthUnits(place.Units, grid, this->Volume.LeftOut);
@@ -381,7 +370,7 @@ private:
       const std::string name = GetJsonText(axis.is_object() ? FindJson(axis, "name") : axis);
       const std::string type = GetJsonText(FindJson(axis, "type"));
       const std::string unit = GetJsonText(FindJson(axis, "unit"));
-      letters += type == "time" ? 't' : type == "channel" ? 'c' : FindLetter(name);
+      letters += type == "time" ? 't' : type == "channel" ? 'c' : ArrayAxes::FindLetter(name);
       this->Units[letters.back()] = unit;
       if (letters.back() == 't' && !unit.empty() && unit != "second")
       {

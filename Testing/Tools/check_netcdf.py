@@ -107,6 +107,18 @@ class CoordinatesAndErrors(Files):
             file.createVariable("data", "float32", ("z", "y", "x", "component"))[:] = samples[..., None]
         self.assert_equal_volumes(self.write("o.nc", "o.bvol"), self.write_raw(samples, "data"))
 
+    def test_names_of_dimensions_say_what_axes_are_or_the_axes_are_told(self):
+        for names, axes, told in (("xyz", "xyz", ""), ("czyx", "czyx", ""), ("az?x", "tzyx", "named a, z, ?, x, are"),
+                                  ("abd", "zyx", "taken as zyx; --axes")):
+            shape = (2, 9, 8, 7)[-len(names):]
+            with netCDF4.Dataset(self.path("n.nc"), "w") as file:
+                for name, size in zip(names, shape):
+                    file.createDimension(name, size)
+                file.createVariable("v", "i2", tuple(names))[:] = numpy.arange(numpy.prod(shape)).reshape(shape)
+            err = self.convert("n.nc")[2]
+            self.assertEqual((told in err, bool(err)), (True, bool(told)))
+            self.assert_equal_volumes(self.write("n.nc", "o.bvol"), self.write("n.nc", "p.bvol", "--axes", axes))
+
     def test_minc_is_refused(self):
         with self.create("m.mnc", "NETCDF3_CLASSIC") as file:
             self.add_coordinates(file, z=(numpy.arange(41), {}))

@@ -210,18 +210,41 @@ class LayoutsAndPlaces(SourceCase):
         self.assertEqual((grid["spacing"], grid["origin"], grid["unit"]), ([0.25, 0.5, 2.5], [4, 50, 10], "m"))
         self.assertEqual(grid["direction"], [1, 0, 0, 0, -1, 0, 0, 0, 1])
         self.assertEqual(arrays, {"air": "K"})
-        self.assertIn("scale_factor, 0.01, is not applied; add_offset, 273.0, is not applied", err)
+        self.assertIn("not used: add_offset 273.0, scale_factor 0.01", err)
         zarr.open(self.path("x.zarr/lon"))[3] = 7
         self.assertIn('the coordinates "lon" have no equal steps', self.convert("x.zarr")[2])
         zarr.open(self.path("x.zarr/air")).attrs["_ARRAY_DIMENSIONS"] = ["this", "that", "other"]
-        self.assertIn("the names of its axes (this, that, other) do not tell x, y and z", self.convert("x.zarr")[2])
+        self.assertIn("its axes, named this, that, other, are taken as zyx; --axes", self.convert("x.zarr")[2])
 
     def test_attributes_of_others_that_are_not_applied_are_told(self):
         write_array_2(self.path("a.zarr"), make_samples("int16"), (16, 20, 33))
-        zarr.open(self.path("a.zarr")).attrs.update({"spacing": [3, 2, 1], "scale_factor": 2})
-        err = self.convert("a.zarr")[2]
-        for words in ("spacing, [3,2,1], is not applied", "scale_factor, 2, is not applied"):
-            self.assertIn(words, err)
+        zarr.open(self.path("a.zarr")).attrs.update(
+            {"spacing": [3, 2, 1], "scale_factor": 2, "resolution": {"z": 3}, "offset": [1, 2, 3]})
+        self.assertIn('not used: resolution {"z":3}, scale_factor 2, spacing [3,2,1]\n', self.convert("a.zarr")[2])
+
+    def test_a_resolution_has_the_order_of_the_axes(self):
+        samples = make_samples("int16", (9, 8, 7))
+        for axes, shape, numbers in (("zyx", (9, 8, 7), [3, 2, 1]), ("xyz", (7, 8, 9), [1, 2, 3]),
+                                     ("tzyx", (1, 9, 8, 7), [0, 3, 2, 1]), ("zyxc", (9, 8, 7, 1), [3, 2, 1])):
+            write_array_2(self.path("r.zarr"), (samples.T if axes == "xyz" else samples).reshape(shape), shape)
+            zarr.open(self.path("r.zarr")).attrs.update(
+                {"_ARRAY_DIMENSIONS": list(axes), "resolution": numbers, "offset": numbers})
+            grid, arrays, err = self.convert("r.zarr")
+            self.assertEqual((grid["spacing"], grid["origin"], err), ([1, 2, 3], [1, 2, 3], ""), axes)
+            self.assert_equal_volumes(self.write("r.zarr", "o.bvol", "--time", "0"), self.write_raw(
+                samples, next(iter(arrays)), "--time", "0", spacing=(1, 2, 3), origin=(1, 2, 3)))
+
+    def test_axes_without_names_are_told_and_short_last_ones_are_components(self):
+        for shape, axes in (((9, 8, 7, 3), "zyxc"), ((2, 9, 8, 7), "tzyx"), ((9, 8, 7, 5), "tzyx"),
+                            ((2, 9, 8, 7, 3), "tzyxc"), ((2, 3, 9, 8, 7), "tczyx"), ((20, 18, 3), "zyx")):
+            samples = numpy.arange(numpy.prod(shape), dtype="int16").reshape(shape)
+            write_array_2(self.path("n.zarr"), samples, shape)
+            told = self.convert("n.zarr")[2]
+            self.assertIn(f"its axes, without names, are taken as {axes}; --axes says", told)
+            self.assert_equal_volumes(self.write("n.zarr", "o.bvol"), self.write("n.zarr", "p.bvol", "--axes", axes))
+        write_array_2(self.path("n.zarr"), samples, shape)
+        zarr.open(self.path("n.zarr")).attrs["_ARRAY_DIMENSIONS"] = ["y", "x"]
+        self.assert_error("n.zarr", "do not name each axis")
 
 
 class VersionThree(SourceCase):
