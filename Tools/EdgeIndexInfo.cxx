@@ -93,6 +93,10 @@ Json Describe(const EdgeIndexFile& file)
   {
     json["closed"] = header.ClosedSides.AreBeyondInside ? "below" : "above";
   }
+  if (header.LacksIslands)
+  {
+    json["lacksIslands"] = true;
+  }
   json["attributes"] = Json::array();
   for (const EdgeIndexAttribute& attribute : header.Attributes)
   {
@@ -180,6 +184,10 @@ void Print(const Json& told)
   if (told.contains("closed"))
   {
     std::printf("closed        %s the isovalue\n", told["closed"].get<std::string>().c_str());
+  }
+  if (told.contains("lacksIslands"))
+  {
+    std::printf("islands       some are left out\n");
   }
   for (const Json& attribute : told["attributes"])
   {

@@ -2,13 +2,11 @@
 // Writes the seeds of the fuzz targets into a folder: WriteFuzzCorpus <folder>. They are files of
 // small volumes and trees, as Core writes them, behind the bytes that each target wants first.
 // The corpus also holds seeds that fuzzing found, which this does not write.
+#include "Fixtures/CodedVolumes.h"
 #include "Fixtures/DicomBytes.h"
 #include "Fixtures/MemoryDisk.h"
-#include "Fixtures/SampleVolume.h"
-#include "Fixtures/TestBlockSource.h"
 
 #include "Fixtures/EdgeIndexFileWriter.h"
-#include "Fixtures/EdgeIndexStreams.h"
 #include "Ground/Base/Coding.h"
 #include "Storage/Index/ExternalIntervalTreeBuilder.h"
 #include "Storage/Store/BlockStore.h"
@@ -265,6 +263,10 @@ void AddEdgeIndexFile(
   header.Isovalues.push_back(60.5);
   MemoryDisk disk;
   TestBlockSource<T> source(volume, 16);
+  if (header.LacksIslands)
+  {
+    LeaveOutIslands(header, source, 2);
+  }
   if (!WriteEdgeIndexFile(disk, "/data/surface.eix", header, source, 1).IsOk())
   {
     corpus.Fail();
@@ -315,6 +317,12 @@ void AddEdgeIndexFiles(Corpus& corpus)
   AddEdgeIndexFile<std::uint16_t>(corpus, "smallest-rounded", 1, header);
   header.RoundsFaces = false;
   AddEdgeIndexFile<std::uint16_t>(corpus, "smallest", 1, header);
+  header.RoundsFaces = true;
+  header.LacksIslands = true;
+  AddEdgeIndexFile<std::uint16_t>(corpus, "islands", 3, header);
+  header.Settings.Mode = EdgeIndexMode::Lossless;
+  header.ClosedSides = GridSides::All();
+  AddEdgeIndexFile<std::uint8_t>(corpus, "islands-closed", 5, header);
 }
 
 /// An image of 3 x 2 samples behind other elements.

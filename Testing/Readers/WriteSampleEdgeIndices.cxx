@@ -123,6 +123,16 @@ bool WriteWild(const std::string& folder)
       MakeNamedHeader(narrow, { 0, 1 }, Mode::Bounded, Profile::Working), narrow);
 }
 
+/// Without every third island.
+template <typename T>
+bool WriteWithoutIslands(const std::string& folder, const std::string& name, EdgeIndexHeader header,
+  const SampleVolume<T>& volume)
+{
+  TestBlockSource<T> source(volume, BlockSize);
+  LeaveOutIslands(header, source, 3);
+  return Write(folder, name, header, source);
+}
+
 bool WriteModes(const std::string& folder)
 {
   using Mode = EdgeIndexMode;
@@ -151,7 +161,14 @@ bool WriteModes(const std::string& folder)
   EdgeIndexHeader pores = MakeNamedHeader(waves, { 0.1 }, Mode::Bounded, Profile::Working);
   pores.ClosedSides = GridSides::All();
   pores.ClosedSides.AreBeyondInside = true;
-  return Write(folder, "closed", closed, bytes) && Write(folder, "closed-below", pores, waves) &&
+  const auto dust = MakeWaves<std::uint8_t>({ 21, 17, 13 }, 3);
+  EdgeIndexHeader islands = MakeNamedHeader(dust, { 150, 110 }, Mode::Smallest, Profile::Small);
+  EdgeIndexHeader bodies = MakeNamedHeader(dust, { 150, 110 }, Mode::Lossless, Profile::Working);
+  bodies.ClosedSides = GridSides::All();
+  islands.PreviewLevel = bodies.PreviewLevel = 1;
+  return WriteWithoutIslands(folder, "islands", islands, dust) &&
+    WriteWithoutIslands(folder, "islands-closed", bodies, dust) &&
+    Write(folder, "closed", closed, bytes) && Write(folder, "closed-below", pores, waves) &&
     Write(folder, "bounded", bounded, waves) &&
     Write(folder, "quantized-working", working, waves) &&
     Write(folder, "quantized-coarsely", coarse, bytes) &&

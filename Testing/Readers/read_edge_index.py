@@ -114,12 +114,15 @@ class Header:
                   for low, high in zip(self.extent[::2], self.extent[1::2])),
               "header: impossible extent")
         self.origin, self.spacing, self.direction = (source.unpack(n + "d") for n in "339")
-        self.blocks, time, has_time, self.preview_level, unit, self.closing, self.attribute_count, \
+        self.blocks, time, has_time, self.preview_level, unit, parts, self.attribute_count, \
             self.preview_error = source.unpack("QdBBBBId")
+        self.closing, self.lacks_islands = parts & 3, parts >> 2 == 1
         check(unit < len(UNITS) and (unit == 0 or self.version > 1), "header: impossible unit")
         self.unit = UNITS[unit]
-        check(self.closing <= (2 if self.version == 3 else 0)
-              and (self.closing == 0 or self.attribute_count == 0), "header: impossible closing")
+        check(parts <= (6 if self.version == 3 else 0) and self.closing < 3
+              and (self.closing == 0 or self.attribute_count == 0
+                   and (self.mode == "lossless" or not self.lacks_islands)),
+              "header: impossible closing or islands")
         check(has_time < 2 and self.preview_level <= 6
               and self.attribute_count <= 256
               and (self.preview_level == 0 or 0 < self.preview_error <= 0.5),
@@ -176,10 +179,11 @@ class Record:
         self.lattice = [source.signed_number() for _ in range(3)]
         self.points = source.number()
         self.coding, = source.unpack("B")
-        self.codes_crossings, self.some_missing, self.preview = (
-            bool(self.coding & bit) for bit in (1, 2, 4))
+        self.codes_crossings, self.some_missing, self.preview, self.lacks_islands = (
+            bool(self.coding & bit) for bit in (1, 2, 4, 8))
+        self.kept = []  # of its islands, if it lacks some
         grid = header.make_preview_grid() if self.preview else header.grid
-        check(self.isovalue < len(header.isovalues) and self.coding < 8
+        check(self.isovalue < len(header.isovalues) and self.coding < (16 if header.lacks_islands else 8)
               and (self.points > 0 or header.closing > 0 and not self.preview)
               and all(1 <= n <= 64 for n in self.cells)
               and all(f + n < d for f, n, d in zip(self.first, self.cells, grid.dimensions))
@@ -189,6 +193,13 @@ class Record:
         check(not self.preview or header.preview_level > 0, "record: there is no preview")
         check(self.preview or not self.codes_crossings or header.mode in ("bounded", "smallest"),
               "record: impossible coding")
+
+    def read_kept(self, source):
+        islands = source.number()
+        bits = int.from_bytes(source.take(-(-islands // 8)), "little")
+        self.kept = [bool(bits >> n & 1) for n in range(islands)]
+        check(bits >> islands == 0 and any(self.kept) and not all(self.kept),
+              "record: impossible islands")
 
     def list_fields(self):
         return (self.isovalue, self.first, self.cells, self.lattice, self.points, self.coding)
@@ -319,7 +330,8 @@ class DecodedBlock:
             if header.version > 1 and header.mode == "smallest":
                 self._round_on_faces(make_crossings(
                     False, header.grid, header.maximum_error, False, None).cut)
-        check(len(self.parameters) == record.points, "record: another number of points")
+        check(record.lacks_islands or len(self.parameters) == record.points,
+              "record: another number of points")
 
     def _add_crossings(self, found, cut, z):
         for (x, y, axis), interval in found.items():
@@ -417,13 +429,17 @@ class EdgeIndexFile:
         check(record.list_fields() == told.list_fields(), "record: not what the directory tells")
         scale = 0 if record.codes_crossings else body.signed_number()
         check(abs(scale) <= 1100, "record: impossible scale")
+        if record.lacks_islands:
+            record.read_kept(body)
         return record, DecodedBlock(self.header, record, scale, body.data[body.position:])
 
     def read_surface(self, preview=False):
         surface = Surface(self.header, preview)
         for number, (_, _, record) in enumerate(self.records):
             if record.preview == preview:
-                surface.add(*self.decode(number))
+                block = Surface(self.header, preview)
+                block.add(*self.decode(number))
+                surface.append(block)
         return surface
 
 
@@ -463,6 +479,33 @@ class Surface:
 
     def add(self, record, decoded):
         (self.add_closed if self.closing else self.add_open)(record, decoded)
+        if record.lacks_islands:
+            self.keep_islands(record)
+
+    def append(self, block):
+        self.points.update(block.points)
+        self.isovalues.update(block.isovalues)
+        self.triangles += block.triangles
+        for mine, other in zip(self.attributes, block.attributes):
+            mine.update(other)
+
+    def keep_islands(self, record):
+        """Of a block that is here alone."""
+        island_of = {}  # of each point, the set of points of its island
+        for triangle in self.triangles:
+            parts = {id(part): part for part in
+                     (island_of.setdefault(corner, {corner}) for corner in triangle)}
+            largest = max(parts.values(), key=len)
+            for part in parts.values():
+                if part is not largest:
+                    largest |= part
+                    island_of.update(dict.fromkeys(part, largest))
+        islands = sorted({id(part): part for part in island_of.values()}.values(), key=min)
+        check(len(islands) == len(record.kept), "record: another number of islands")
+        kept = set().union(*(part for part, is_kept in zip(islands, record.kept) if is_kept))
+        check(len(kept) == record.points, "record: another number of points")
+        self.triangles = [triangle for triangle in self.triangles if triangle[0] in kept]
+        self.points = {where: point for where, point in self.points.items() if where in kept}
 
     def add_closed(self, record, decoded):
         """With the layer of vertices around the grid, and points on vertices merged."""

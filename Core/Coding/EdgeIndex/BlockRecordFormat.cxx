@@ -5,6 +5,7 @@
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace isosurface
@@ -20,6 +21,24 @@ constexpr std::int64_t ScaleLimit = 1100;
 Status MakeCorruptRecord(const char* reason)
 {
   return { StatusCode::Corrupt, std::string("The record of an edge-index block ") + reason + "." };
+}
+
+// Reads which of a block's islands are kept: some, but not all.
+bool ReadKept(ByteReader& reader, std::vector<bool>& areKept)
+{
+  const auto islands = reader.ReadVarint<std::size_t>();
+  const std::size_t size = islands / 8 + (islands % 8 > 0 ? 1 : 0);
+  const std::uint8_t* bits = reader.ReadBytes(size);
+  if (!bits || reader.HasFailed() || (islands % 8 > 0 && bits[size - 1] >> islands % 8 != 0))
+  {
+    return false;
+  }
+  for (std::size_t island = 0; island < islands; ++island)
+  {
+    areKept.push_back((bits[island / 8] >> island % 8 & 1) != 0);
+  }
+  const auto kept = std::count(areKept.begin(), areKept.end(), true);
+  return kept > 0 && static_cast<std::size_t>(kept) < islands;
 }
 
 Status CheckPlace(const EdgeIndexHeader& header, const EdgeIndexBlock& block)
@@ -67,8 +86,8 @@ void EdgeIndexBlock::Append(std::vector<std::uint8_t>& bytes) const
     AppendSignedVarint(bytes, coordinate);
   }
   AppendVarint(bytes, this->NumberOfPoints);
-  bytes.push_back(static_cast<std::uint8_t>(
-    static_cast<int>(this->Coding) + (this->HasMissing ? 2 : 0) + (this->IsPreview ? 4 : 0)));
+  bytes.push_back(static_cast<std::uint8_t>(static_cast<int>(this->Coding) +
+    (this->HasMissing ? 2 : 0) + (this->IsPreview ? 4 : 0) + (this->LacksIslands ? 8 : 0)));
 }
 
 Result<EdgeIndexBlock> EdgeIndexBlock::Parse(const EdgeIndexHeader& header, ByteReader& reader)
@@ -97,8 +116,9 @@ Result<EdgeIndexBlock> EdgeIndexBlock::Parse(const EdgeIndexHeader& header, Byte
   block.Coding = crossings ? CodedGeometry::Crossings : CodedGeometry::Values;
   block.HasMissing = (coding & 2) != 0;
   block.IsPreview = (coding & 4) != 0;
-  if (reader.HasFailed() || !inRange || coding > 7 || (!crossings && block.HasMissing) ||
-    (block.IsPreview && header.PreviewLevel == 0))
+  block.LacksIslands = (coding & 8) != 0;
+  if (reader.HasFailed() || !inRange || coding > (header.LacksIslands ? 15 : 7) ||
+    (!crossings && block.HasMissing) || (block.IsPreview && header.PreviewLevel == 0))
   {
     return MakeCorruptRecord("holds impossible numbers");
   }
@@ -116,7 +136,7 @@ bool EdgeIndexBlock::operator==(const EdgeIndexBlock& other) const
   return this->Isovalue == other.Isovalue && this->Vertices == other.Vertices &&
     this->Lattice == other.Lattice && this->NumberOfPoints == other.NumberOfPoints &&
     this->Coding == other.Coding && this->HasMissing == other.HasMissing &&
-    this->IsPreview == other.IsPreview;
+    this->IsPreview == other.IsPreview && this->LacksIslands == other.LacksIslands;
 }
 
 void EdgeIndexRecord::Append(std::vector<std::uint8_t>& bytes) const
@@ -126,6 +146,16 @@ void EdgeIndexRecord::Append(std::vector<std::uint8_t>& bytes) const
   if (this->Block.Coding == CodedGeometry::Values)
   {
     AppendSignedVarint(head, this->Scale);
+  }
+  if (this->Block.LacksIslands)
+  {
+    AppendVarint(head, this->AreKept.size());
+    const std::size_t first = head.size();
+    head.resize(first + (this->AreKept.size() + 7) / 8);
+    for (std::size_t island = 0; island < this->AreKept.size(); ++island)
+    {
+      head[first + island / 8] |= static_cast<std::uint8_t>(this->AreKept[island] << island % 8);
+    }
   }
   AppendVarint(bytes, head.size() + this->CodeSize + RecordChecksumSize);
   const std::size_t first = bytes.size();
@@ -177,6 +207,10 @@ Result<EdgeIndexRecord> EdgeIndexRecord::Parse(
     return MakeCorruptRecord("has an impossible scale");
   }
   record.Scale = static_cast<int>(scale);
+  if (record.Block.LacksIslands && !ReadKept(reader, record.AreKept))
+  {
+    return MakeCorruptRecord("does not tell which of its islands are kept");
+  }
   record.CodeSize = reader.GetRemaining();
   record.Code = first + content - record.CodeSize;
   used = sizeBytes + length;

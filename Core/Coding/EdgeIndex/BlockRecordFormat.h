@@ -30,9 +30,11 @@ enum class CodedGeometry : std::uint8_t
  *   cells                 3 bytes           1 to 64 each
  *   lattice coordinates   3 signed varints
  *   points                varint            crossed edges, including those on shared faces; 0 only of a
- *                                           closed surface, at a side of the grid
+ *                                           closed surface, at a side of the grid. If islands are left out:
+ *                                           the points of those that are kept
  *   coding                1 byte            CodedGeometry; + 2 if some crossing is not a number;
- *                                           + 4 if the block belongs to the preview
+ *                                           + 4 if the block belongs to the preview;
+ *                                           + 8 if some of its islands are left out
  *
  * Varints are those of Base/Coding.h, below 2^63.
  */
@@ -45,6 +47,7 @@ struct EdgeIndexBlock
   CodedGeometry Coding = CodedGeometry::Values;
   bool HasMissing = false; ///< some crossings are NaN; only if crossings are coded
   bool IsPreview = false;  ///< at the level EdgeIndexHeader::PreviewLevel
+  bool LacksIslands = false;
 
   void Append(std::vector<std::uint8_t>& bytes) const;
 
@@ -60,6 +63,10 @@ struct EdgeIndexBlock
  *   size of the rest   varint          never 0
  *   block              EdgeIndexBlock
  *   scale              signed varint   only if values are coded
+ *   islands            varint          only if some are left out: how many the block's surface has alone; see
+ *                                      FindBlockIslands for their order
+ *   kept ones          bits            likewise: 1 if the island is kept, from the lowest bit of the first byte
+ *                                      on, with zeros up to whole bytes
  *   code               bytes
  *   checksum           4 bytes         the lower half of XXH3 of all from the block on
  */
@@ -67,6 +74,7 @@ struct EdgeIndexRecord
 {
   EdgeIndexBlock Block;
   int Scale = 0;                      ///< of heights, see ValueDomain::ToHeight
+  std::vector<bool> AreKept;          ///< of the block's islands, if some are left out
   const std::uint8_t* Code = nullptr; ///< not owned
   std::size_t CodeSize = 0;
 

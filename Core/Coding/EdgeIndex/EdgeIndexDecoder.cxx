@@ -326,7 +326,32 @@ Result<BlockSamples> EdgeIndexBlockDecoder::Decode(const EdgeIndexRecord& record
   }
   samples.Attributes = memory->Attributes.GetViews(this->Header, record.Block.Vertices);
   samples.Owner = memory;
+  ISOSURFACE_RETURN_IF_ERROR(this->TellIslands(record, samples));
   return samples;
+}
+
+Status EdgeIndexBlockDecoder::TellIslands(
+  const EdgeIndexRecord& record, const BlockSamples& samples)
+{
+  if (!record.Block.LacksIslands)
+  {
+    return Status::Ok();
+  }
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto islands, FindBlockIslands(this->Header, samples, record.Block.Isovalue));
+  if (islands.size() != record.AreKept.size())
+  {
+    return { StatusCode::Corrupt,
+      "The record of an edge-index block tells of " + std::to_string(record.AreKept.size()) +
+        " islands, and has " + std::to_string(islands.size()) + "." };
+  }
+  for (std::size_t island = 0; island < islands.size(); ++island)
+  {
+    islands[island].IsKept = record.AreKept[island];
+  }
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->Islands.insert(this->Islands.end(), islands.begin(), islands.end());
+  return Status::Ok();
 }
 
 } // namespace isosurface

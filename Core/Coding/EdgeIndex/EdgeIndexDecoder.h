@@ -2,6 +2,7 @@
 #ifndef isosurface_EdgeIndexDecoder_h
 #define isosurface_EdgeIndexDecoder_h
 
+#include "Coding/EdgeIndex/BlockIslands.h"
 #include "Coding/EdgeIndex/BlockRecordFormat.h"
 #include "Coding/EdgeIndex/EdgeIndexHeader.h"
 #include "Ground/Base/Status.h"
@@ -39,12 +40,17 @@ public:
   /// Errors: Corrupt.
   Result<BlockSamples> Decode(const EdgeIndexRecord& record);
 
+  /// The islands of the decoded blocks that lack some, which the samples still have; see KeepBlockIslands.
+  const std::vector<BlockIsland>& GetIslands() const { return this->Islands; }
+
 private:
+  Status TellIslands(const EdgeIndexRecord& record, const BlockSamples& samples);
   std::unique_ptr<BlockModel> TakeModel();
 
   const EdgeIndexHeader& Header;
   std::mutex Mutex;
   std::vector<std::unique_ptr<BlockModel>> Models; ///< not in use by a thread
+  std::vector<BlockIsland> Islands;
 };
 
 } // namespace isosurface

@@ -3,8 +3,10 @@
 
 #include "Coding/BlockCoding/BlockCoding.h"
 #include "Coding/BlockCoding/BytePlanes.h"
+#include "Coding/EdgeIndex/BlockIslands.h"
 #include "Coding/EdgeIndex/BlockRecordFormat.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
+#include "Coding/EdgeIndex/PreviewBlocks.h"
 #include "Coding/EdgeIndex/SampledBlock.h"
 #include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
@@ -68,7 +70,6 @@ public:
   void Encode(SampledBlock& block, EdgeIndexMode mode, EdgeIndexRecord& record,
     std::vector<std::uint8_t>& bytes)
   {
-    record.Block.NumberOfPoints = block.CountPoints();
     std::vector<std::uint8_t> code;
     if (mode != EdgeIndexMode::Bounded)
     {
@@ -91,49 +92,62 @@ public:
   }
 
   /// Appends the record of the block's part of the preview, if there is one.
-  void EncodePreview(
+  Status EncodePreview(
     const SampleView& view, EdgeIndexRecord record, std::vector<std::uint8_t>& bytes)
   {
-    const std::int64_t step = std::int64_t{ 1 } << this->Header.PreviewLevel;
-    const std::optional<SampleView> coarse = Coarsen(view, step);
-    if (!coarse)
+    const auto vertices = FindPreviewVertices(view.Box, this->Header.PreviewLevel);
+    if (!vertices)
     {
-      return;
+      return Status::Ok();
     }
+    BlockSamples coarse;
+    coarse.Scalars = TakePreviewSamples(view, *vertices, this->Header.PreviewLevel);
     const double isovalue = this->Preview.Isovalues[record.Block.Isovalue];
-    SampledBlock block(*coarse, isovalue, this->Preview.GetIntervals());
-    if (block.IsCrossed())
+    SampledBlock block(coarse.Scalars, isovalue, this->Preview.GetIntervals());
+    record.Block.Vertices = *vertices;
+    record.Block.IsPreview = true;
+    return block.IsCrossed()
+      ? this->EncodeKept(this->Preview, coarse, block, EdgeIndexMode::Bounded, record, bytes)
+      : Status::Ok();
+  }
+
+  /// Appends the record of a block, unless all its islands are left out. `header`: of the preview, if the block
+  /// is.
+  Status EncodeKept(const EdgeIndexHeader& header, const BlockSamples& samples, SampledBlock& block,
+    EdgeIndexMode mode, EdgeIndexRecord& record, std::vector<std::uint8_t>& bytes)
+  {
+    record.Block.NumberOfPoints = block.CountPoints();
+    if (header.KeptIds)
     {
-      record.Block.Vertices = coarse->Box;
-      record.Block.IsPreview = true;
-      this->Encode(block, EdgeIndexMode::Bounded, record, bytes);
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        const auto islands, FindBlockIslands(header, samples, record.Block.Isovalue));
+      std::uint64_t points = 0;
+      for (const BlockIsland& island : islands)
+      {
+        const bool isKept =
+          std::binary_search(header.KeptIds->begin(), header.KeptIds->end(), island.FirstId);
+        record.AreKept.push_back(isKept);
+        points += isKept ? island.Points : 0;
+      }
+      if (points == 0)
+      {
+        return Status::Ok();
+      }
+      record.Block.LacksIslands =
+        std::find(record.AreKept.begin(), record.AreKept.end(), false) != record.AreKept.end();
+      if (record.Block.LacksIslands)
+      {
+        record.Block.NumberOfPoints = points;
+      }
     }
+    this->Encode(block, mode, record, bytes);
+    return Status::Ok();
   }
 
   const EdgeIndexHeader Header;
   const EdgeIndexHeader Preview;
 
 private:
-  // Every step-th vertex; nothing if the block does not begin at such a vertex, or has no cells.
-  static std::optional<SampleView> Coarsen(const SampleView& view, std::int64_t step)
-  {
-    SampleView coarse = view;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      coarse.Stride[axis] *= static_cast<std::ptrdiff_t>(step);
-      coarse.Box.Low[axis] = view.Box.Low[axis] / step;
-      coarse.Box.High[axis] = (view.Box.High[axis] - 1) / step + 1;
-      if (view.Box.Low[axis] % step != 0 || coarse.Box.High[axis] - coarse.Box.Low[axis] < 2)
-      {
-        return std::nullopt;
-      }
-    }
-    coarse.Available = coarse.Box;
-    DispatchValueType(
-      view.Type, [&](auto zero) { coarse.First = view.At<decltype(zero)>(view.Box.Low); });
-    return coarse;
-  }
-
   void Run(
     SampledBlock& block, bool isPreview, BlockContent& content, std::vector<std::uint8_t>& code)
   {
@@ -228,7 +242,7 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
   record.Block.Lattice = lattice;
   if (header.PreviewLevel > 0)
   {
-    this->Worker->EncodePreview(view, record, bytes);
+    ISOSURFACE_RETURN_IF_ERROR(this->Worker->EncodePreview(view, record, bytes));
   }
   PointAttributes attributes(header, view.Box);
   if (!header.Attributes.empty())
@@ -236,8 +250,7 @@ Status EdgeIndexEncoder::EncodeBlock(const Index3& lattice, const BlockSamples& 
     ISOSURFACE_RETURN_IF_ERROR(attributes.Interpolate(header, samples, isovalue));
     block.SetAttributes(attributes.GetCoded());
   }
-  this->Worker->Encode(block, header.Settings.Mode, record, bytes);
-  return Status::Ok();
+  return this->Worker->EncodeKept(header, samples, block, header.Settings.Mode, record, bytes);
 }
 
 namespace

@@ -23,14 +23,13 @@ namespace
 constexpr std::size_t SizePrefix = 10;
 
 // Blocks of one isovalue; each is read when an extraction acquires it.
-class FileBlockSource : public BlockSource
+class FileBlockSource : public CodedBlockSource
 {
 public:
   FileBlockSource(
     const EdgeIndexFile& file, const EdgeIndexHeader& header, std::vector<std::size_t> entries)
-    : File(file)
-    , Header(header)
-    , Decoder(header)
+    : CodedBlockSource(header)
+    , File(file)
     , Blocks(std::move(entries))
   {
   }
@@ -41,7 +40,6 @@ public:
     return this->Get(block).Lattice;
   }
   VertexBox GetVertices(std::size_t block) const override { return this->Get(block).Vertices; }
-  ValueType GetValueType() const override { return this->Header.GetDecodedType(); }
   Result<BlockSamples> Acquire(std::size_t block) override
   {
     std::vector<std::uint8_t> bytes;
@@ -57,8 +55,6 @@ private:
   }
 
   const EdgeIndexFile& File;
-  const EdgeIndexHeader& Header;
-  EdgeIndexBlockDecoder Decoder;
   std::vector<std::size_t> Blocks;
 };
 

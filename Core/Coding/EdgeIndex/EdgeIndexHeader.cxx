@@ -114,6 +114,11 @@ Status CheckPreview(const EdgeIndexHeader& header)
 Status CheckSettings(const EdgeIndexHeader& header)
 {
   const EdgeIndexSettings& settings = header.Settings;
+  if (header.LacksIslands && !header.ClosedSides.IsEmpty() &&
+    settings.Mode != EdgeIndexMode::Lossless)
+  {
+    return MakeInvalid("A closed surface without some of its islands must be lossless.");
+  }
   if (settings.Mode == EdgeIndexMode::Bounded || settings.Mode == EdgeIndexMode::Smallest)
   {
     if (!(settings.MaximumError > 0 && settings.MaximumError <= 0.5))
@@ -200,6 +205,7 @@ EdgeIndexHeader EdgeIndexHeader::MakePreview() const
   header.Settings.MaximumError = this->PreviewMaximumError;
   header.PreviewLevel = 0;
   header.ClosedSides = {};
+  header.KeptIds = this->KeptIdsOfPreview;
   header.Attributes.clear();
   return header;
 }

@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,6 +86,14 @@ struct EdgeIndexHeader
   /// sides that are entirely within the body have records without points. Degenerate triangles are dropped then,
   /// and there are no attributes, which caps do not have.
   GridSides ClosedSides;
+
+  /// Whether islands of the surface are left out: of blocks that have some, records tell which of their parts are
+  /// kept. A closed surface is lossless then, since degenerate triangles depend on the places of points.
+  bool LacksIslands = false;
+  /// Of an encoder, and not stored: the global ids of all points of this rank's blocks that are kept, ascending,
+  /// and those of the preview. Null: all.
+  std::shared_ptr<const std::vector<std::int64_t>> KeptIds;
+  std::shared_ptr<const std::vector<std::int64_t>> KeptIdsOfPreview;
 
   // For information.
   std::string Array;          ///< the name of the samples that were contoured

@@ -32,7 +32,8 @@ namespace
 // 232  1   1 if there is a time
 // 233  1   preview level
 // 234  1   unit of length: its number; 0 if it is not known, and in version 1
-// 235  1   1 if the surface is closed, 2 if it is around what is outside; 0 before version 3
+// 235  1   1 if the surface is closed, 2 if it is around what is outside; + 4 if islands are left out; 0 before
+//          version 3
 // 236  4   number of attributes
 // 240  8   maximum error of the preview
 // 248  8n  isovalues: float64
@@ -45,7 +46,7 @@ namespace
 constexpr char Magic[8] = { 'E', 'I', 'X', 'c', 'o', 'd', 'e', '\n' };
 // Only mode Smallest (EdgeIndexHeader::RoundsFaces) and a unit of length differ.
 constexpr std::uint32_t Version = 2;
-constexpr std::uint32_t ClosedVersion = 3; // of closed surfaces alone
+constexpr std::uint32_t NewestVersion = 3; // of closed surfaces, and without islands, alone
 constexpr std::uint32_t PlainVersion = 1;
 constexpr std::size_t SizeOffset = 12;
 constexpr std::size_t FieldsOffset = 16;
@@ -163,8 +164,11 @@ private:
     }
     header.PreviewLevel = this->Reader.Read<std::uint8_t>();
     header.Geometry.Unit = this->ReadEnumerator(LengthUnit::Foot);
-    const auto closing = this->Reader.Read<std::uint8_t>();
-    this->IsValid = this->IsValid && closing <= (this->FormatVersion < ClosedVersion ? 0 : 2);
+    const auto parts = this->Reader.Read<std::uint8_t>();
+    const int closing = parts & 3;
+    this->IsValid =
+      this->IsValid && closing <= 2 && parts <= (this->FormatVersion < NewestVersion ? 0 : 6);
+    header.LacksIslands = (parts & 4) != 0;
     if (closing > 0)
     {
       header.ClosedSides = GridSides::All();
@@ -234,7 +238,8 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
   const bool isPlain = this->Geometry.Unit == LengthUnit::Unknown &&
     (this->Settings.Mode != EdgeIndexMode::Smallest || !this->RoundsFaces);
   const int closing = this->ClosedSides.IsEmpty() ? 0 : this->ClosedSides.AreBeyondInside ? 2 : 1;
-  AppendLittleEndian(bytes, closing > 0 ? ClosedVersion : isPlain ? PlainVersion : Version);
+  const int parts = closing + (this->LacksIslands ? 4 : 0);
+  AppendLittleEndian(bytes, parts > 0 ? NewestVersion : isPlain ? PlainVersion : Version);
   AppendLittleEndian(bytes, std::uint32_t{ 0 }); // the size, see below
   bytes.push_back(static_cast<std::uint8_t>(this->Type));
   bytes.push_back(static_cast<std::uint8_t>(this->Settings.Mode));
@@ -253,7 +258,7 @@ void EdgeIndexHeader::Append(std::vector<std::uint8_t>& bytes) const
   bytes.push_back(this->Time.has_value() ? 1 : 0);
   bytes.push_back(static_cast<std::uint8_t>(this->PreviewLevel));
   bytes.push_back(static_cast<std::uint8_t>(this->Geometry.Unit));
-  bytes.push_back(static_cast<std::uint8_t>(closing));
+  bytes.push_back(static_cast<std::uint8_t>(parts));
   AppendLittleEndian(bytes, static_cast<std::uint32_t>(this->Attributes.size()));
   AppendLittleEndian(bytes, this->PreviewMaximumError);
   AppendAll(bytes, this->Isovalues);
@@ -281,12 +286,12 @@ Result<std::size_t> EdgeIndexHeader::ParseSize(const std::uint8_t* bytes)
       StatusCode::Corrupt, "This is not an edge-index stream: it does not begin with EIXcode.");
   }
   const auto version = LoadLittleEndian<std::uint32_t>(bytes + sizeof(Magic));
-  if (version < PlainVersion || version > ClosedVersion)
+  if (version < PlainVersion || version > NewestVersion)
   {
     return Status(StatusCode::Unsupported,
       "The edge-index stream has format version " + std::to_string(version) +
         "; this reader knows " + std::to_string(PlainVersion) + " to " +
-        std::to_string(ClosedVersion) + ".");
+        std::to_string(NewestVersion) + ".");
   }
   const std::size_t size = LoadLittleEndian<std::uint32_t>(bytes + SizeOffset);
   if (size < MinimumSize || size > MaximumSize)

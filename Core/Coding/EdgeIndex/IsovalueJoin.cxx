@@ -100,19 +100,6 @@ void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
   surface.Attributes = std::move(others);
 }
 
-// Of a surface that was extracted alone, those that it has among all isovalues: ids of edges are before those of
-// vertices.
-void ShiftIds(
-  std::size_t isovalue, std::size_t isovalues, std::int64_t vertices, Buffer<std::int64_t>& ids)
-{
-  const auto number = static_cast<std::int64_t>(isovalue);
-  const auto others = static_cast<std::int64_t>(isovalues) - 1;
-  for (std::int64_t& id : ids)
-  {
-    id += id < 3 * vertices ? number * 3 * vertices : (3 * others + number) * vertices;
-  }
-}
-
 // Appends the surface of the next isovalue.
 void AppendSurface(Surface& surface, Surface&& next)
 {
@@ -177,6 +164,7 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
     one.Isovalues.assign(1, header.Isovalues[isovalue]);
     one.Normals = false;
     one.Attributes = GetAttributeLayouts(header);
+    one.GlobalIds = request.GlobalIds || header.LacksIslands;
     if (!header.ClosedSides.IsEmpty())
     {
       one.ClosedSides = header.ClosedSides;
@@ -203,8 +191,13 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
         StatusCode::Corrupt, "The edge-index stream is corrupt: its blocks do not fit together.");
     }
     TakeNormals(header, request.Normals, *next);
-    ShiftIds(isovalue, header.Isovalues.size(),
-      GetNumberedGrid(header.Geometry, one).GetNumberOfVertices(), next->GlobalIds);
+    ShiftIds(header, isovalue, next->GlobalIds);
+    ISOSURFACE_RETURN_IF_ERROR(
+      KeepBlockIslands(sources[n].Blocks->GetDecoder().GetIslands(), threads, *next));
+    if (!request.GlobalIds)
+    {
+      next->GlobalIds = {};
+    }
     AppendSurface(surface, std::move(*next));
   }
   return surface;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/EdgeIndex/PointAttributes.h"
 
+#include "Coding/EdgeIndex/SingleBlock.h"
 #include "Ground/Volume/Handedness.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 
@@ -17,24 +18,6 @@ std::size_t GetTupleSize(const EdgeIndexAttribute& attribute)
 {
   return GetValueSize(attribute.Type) * static_cast<std::size_t>(attribute.NumberOfComponents);
 }
-
-// A source of one block.
-class SingleBlock : public BlockSource
-{
-public:
-  explicit SingleBlock(const BlockSamples& samples)
-    : Samples(samples)
-  {
-  }
-  std::size_t GetNumberOfBlocks() const override { return 1; }
-  Index3 GetLatticeCoordinates(std::size_t) const override { return { 0, 0, 0 }; }
-  VertexBox GetVertices(std::size_t) const override { return this->Samples.Scalars.Box; }
-  ValueType GetValueType() const override { return this->Samples.Scalars.Type; }
-  Result<BlockSamples> Acquire(std::size_t) override { return this->Samples; }
-
-private:
-  const BlockSamples& Samples;
-};
 
 // The layouts of the block's arrays, whose interpolated types must be those of the header.
 Status FindLayouts(

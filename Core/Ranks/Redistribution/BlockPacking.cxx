@@ -15,12 +15,11 @@ namespace
 {
 
 // The arriving blocks that one isovalue crosses, as the source of an extraction.
-class ArrivingRecords : public BlockSource
+class ArrivingRecords : public CodedBlockSource
 {
 public:
   ArrivingRecords(const EdgeIndexHeader& header, ArrivingBlocks& arriving, std::size_t isovalue)
-    : Header(header)
-    , Decoder(header)
+    : CodedBlockSource(header)
     , Arriving(arriving)
     , Isovalue(isovalue)
   {
@@ -40,7 +39,6 @@ public:
     return this->Describe(block).Lattice;
   }
   VertexBox GetVertices(std::size_t block) const override { return this->Describe(block).Vertices; }
-  ValueType GetValueType() const override { return this->Header.GetDecodedType(); }
   Result<BlockSamples> Acquire(std::size_t block) override
   {
     const std::uint8_t* bytes = this->Arriving.Wait(this->Blocks[block]);
@@ -79,8 +77,6 @@ private:
       block.NumberOfPoints == description.Points[this->Isovalue];
   }
 
-  const EdgeIndexHeader& Header;
-  EdgeIndexBlockDecoder Decoder;
   ArrivingBlocks& Arriving;
   std::size_t Isovalue;
   std::vector<std::size_t> Blocks; ///< in Arriving

@@ -2,12 +2,17 @@
 #ifndef isosurface_CodedVolumes_h
 #define isosurface_CodedVolumes_h
 
+#include "Coding/EdgeIndex/BlockIslands.h"
+#include "Coding/EdgeIndex/PreviewBlocks.h"
 #include "Fixtures/EdgeIndexStreams.h"
 #include "Fixtures/TestBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
+#include "Surface/Islands/IslandKeeping.h"
+#include "Surface/Islands/IslandLabels.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -118,6 +123,34 @@ inline void ExpectSamePoints(const Surface& expected, const Surface& decoded)
 {
   ExpectSameTopology(expected, decoded);
   EXPECT_TRUE(HaveEqualBytes(expected.Points, decoded.Points));
+}
+
+/// Lets a header leave out every n-th island of the surface and of its preview. Returns what is left of the surface.
+inline Surface LeaveOutIslands(EdgeIndexHeader& header, BlockSource& source, std::size_t n)
+{
+  const auto choose = [&](const EdgeIndexHeader& of, BlockSource& blocks,
+                        std::shared_ptr<const std::vector<std::int64_t>>& ids)
+  {
+    Surface surface = Require(ExtractSurface(of.Geometry, blocks, MakeContourRequest(of), 1));
+    const IslandLabels labels(surface, 1);
+    std::vector<std::uint8_t> areKept(labels.GetNumberOfIslands());
+    for (std::size_t island = 0; island < areKept.size(); ++island)
+    {
+      areKept[island] = island % n != 1 ? 1 : 0;
+    }
+    KeepIslands(labels, areKept, 1, surface);
+    std::vector<std::int64_t> kept(surface.GlobalIds.begin(), surface.GlobalIds.end());
+    std::sort(kept.begin(), kept.end());
+    ids = std::make_shared<const std::vector<std::int64_t>>(std::move(kept));
+    return surface;
+  };
+  header.LacksIslands = true;
+  if (header.PreviewLevel > 0)
+  {
+    PreviewBlocks preview(source, header.PreviewLevel);
+    choose(header.MakePreview(), preview, header.KeptIdsOfPreview);
+  }
+  return choose(header, source, header.KeptIds);
 }
 
 /// What is decoded of a surface that was encoded.

@@ -34,12 +34,11 @@ inline Result<std::vector<std::uint8_t>> EncodeSurface(
 
 /// Blocks of one isovalue, given as records. Each is decoded when an extraction acquires it. The
 /// header and the bytes of the records must outlive the source.
-class EdgeIndexBlockSource : public BlockSource
+class EdgeIndexBlockSource : public CodedBlockSource
 {
 public:
   EdgeIndexBlockSource(const EdgeIndexHeader& header, std::vector<EdgeIndexRecord> records)
-    : Header(header)
-    , Decoder(header)
+    : CodedBlockSource(header)
     , Records(std::move(records))
   {
   }
@@ -53,15 +52,12 @@ public:
   {
     return this->Records[block].Block.Vertices;
   }
-  ValueType GetValueType() const override { return this->Header.GetDecodedType(); }
   Result<BlockSamples> Acquire(std::size_t block) override
   {
     return this->Decoder.Decode(this->Records[block]);
   }
 
 private:
-  const EdgeIndexHeader& Header;
-  EdgeIndexBlockDecoder Decoder;
   std::vector<EdgeIndexRecord> Records;
 };
 

@@ -159,13 +159,15 @@ TEST(EdgeIndexCorruption, AUnitThatTheVersionDoesNotHaveIsCorrupt)
   }
 }
 
-TEST(EdgeIndexCorruption, ClosingThatTheVersionDoesNotHaveIsCorrupt)
+TEST(EdgeIndexCorruption, ClosingAndIslandsThatTheVersionDoesNotHaveAreCorrupt)
 {
   std::vector<std::uint8_t> bytes = EncodeSmall(EdgeIndexMode::Lossless, EdgeIndexProfile::Small);
   std::size_t header = 0;
   ASSERT_TRUE(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), header).IsOk());
   for (const auto& [version, closing, isValid] : { std::tuple(3, 0, true), std::tuple(3, 1, true),
-         std::tuple(3, 2, true), std::tuple(3, 3, false), std::tuple(2, 1, false) })
+         std::tuple(3, 2, true), std::tuple(3, 3, false), std::tuple(2, 1, false),
+         std::tuple(3, 4, true), std::tuple(3, 6, true), std::tuple(3, 7, false),
+         std::tuple(3, 8, false), std::tuple(2, 4, false) })
   {
     bytes[8] = static_cast<std::uint8_t>(version);
     bytes[235] = static_cast<std::uint8_t>(closing);
@@ -174,7 +176,8 @@ TEST(EdgeIndexCorruption, ClosingThatTheVersionDoesNotHaveIsCorrupt)
     const auto parsed = EdgeIndexHeader::Parse(bytes.data(), bytes.size(), size);
     EXPECT_EQ(parsed.GetStatus().GetCode(), isValid ? StatusCode::Ok : StatusCode::Corrupt)
       << version << ", " << closing;
-    EXPECT_TRUE(!isValid || parsed->ClosedSides.IsEmpty() == (closing == 0));
+    EXPECT_TRUE(!isValid || parsed->ClosedSides.IsEmpty() == ((closing & 3) == 0));
+    EXPECT_TRUE(!isValid || parsed->LacksIslands == (closing > 3));
   }
 }
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_BlockIslands_h
+#define isosurface_BlockIslands_h
+
+#include "Coding/EdgeIndex/EdgeIndexHeader.h"
+#include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockSource.h"
+#include "Surface/Contour/Surface.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A connected part of the surface that a block has alone; all of it is on one island of the whole surface.
+struct BlockIsland
+{
+  std::int64_t FirstId = 0; ///< the minimum of the global ids of its points
+  std::uint64_t Points = 0;
+  bool IsKept = true;
+};
+
+/// What a stream's surface is extracted by, with GlobalIds.
+ContourRequest MakeContourRequest(const EdgeIndexHeader& header);
+
+/// Global ids of a surface that was extracted for one isovalue become those among all of them: ids of edges are
+/// before those of vertices.
+void ShiftIds(const EdgeIndexHeader& header, std::size_t isovalue, Buffer<std::int64_t>& ids);
+
+/// Those of a block at one isovalue, in the order of their FirstId. The samples are those to encode, or decoded
+/// ones. Errors: what ExtractSurface returns.
+Result<std::vector<BlockIsland>> FindBlockIslands(
+  const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue);
+
+/// Drops the islands of a surface of several blocks, which has GlobalIds, of which `told` has parts that are not
+/// kept. Errors: Corrupt, if it also has parts of such an island that are kept.
+Status KeepBlockIslands(const std::vector<BlockIsland>& told, int threads, Surface& surface);
+
+} // namespace isosurface
+
+#endif
