@@ -11,6 +11,7 @@
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/PointPrecision.h"
 #include "Ground/Volume/ValueKey.h"
+#include "Ranks/Islands/IslandChoice.h"
 #include "SurfacePolyData.h"
 
 #include <cstddef>
@@ -49,6 +50,8 @@ struct ContourBlocks
   std::string ArrayName;      ///< of the contoured array
   std::string Origin;         ///< where the samples came from, for people
   std::optional<double> Time; ///< of the samples
+  std::optional<IslandRequest>
+    Islands; ///< that the filter keeps, if it looks for islands; see LeaveOutIslands
   KeyRange FiniteRange;       ///< of the contoured values, of blocks that are not active too
 
   /// Set by the caller: whether Source is to give samples for gradients, and samples of the

@@ -502,6 +502,10 @@ Status ContourExecution::CollectBlocks(
   blocks.Isovalues = this->MakeRequest().Isovalues;
   blocks.Precision = this->MakeRequest().Precision;
   blocks.ClosedSides = this->MakeRequest().ClosedSides;
+  if (this->Contour.FindsIslands())
+  {
+    blocks.Islands = this->MakeIslandRequest(0);
+  }
   // The input may be executed by all ranks together.
   const bool hasInput = this->Contour.GetNumberOfInputConnections(0) > 0;
   ISOSURFACE_RETURN_IF_ERROR(

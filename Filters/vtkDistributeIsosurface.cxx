@@ -17,6 +17,7 @@
 #include "ArrayRanges.h"
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
+#include "ContourIslands.h"
 #include "ControllerCommunicator.h"
 #include "CostFieldData.h"
 #include "ErrorReport.h"
@@ -105,11 +106,10 @@ Status CheckContour(vtkStabbingContour* contour)
                   "DropDegenerateTriangles of Isosurface off, or put Clean behind Distribute "
                   "Isosurface.");
   }
-  if (contour->FindsIslands())
+  if (contour->GetComputeIslandIds())
   {
-    return refuse("A surface is distributed block by block, without knowing its islands: set "
-                  "MinimumIslandSize and MaximumIslands of Isosurface to 0, and turn its "
-                  "UseIslandPoint and ComputeIslandIds off.");
+    return refuse("A surface is distributed without arrays of triangles: turn ComputeIslandIds of "
+                  "Isosurface off.");
   }
   return Status::Ok();
 }
@@ -268,10 +268,12 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   {
     return Status::Ok();
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexHeader header, this->MakeHeader(blocks));
+  ISOSURFACE_ASSIGN_OR_RETURN(EdgeIndexHeader header, this->MakeHeader(blocks));
+  const SurfaceExchange::Settings settings = this->MakeSettings();
+  ISOSURFACE_RETURN_IF_ERROR(
+    isosurface::LeaveOutIslands(ranks, blocks, settings.Threads, {}, header));
   ISOSURFACE_ASSIGN_OR_RETURN(blocks.Arrays, isosurface::ShareArrays(ranks, blocks));
 
-  const SurfaceExchange::Settings settings = this->MakeSettings();
   const isosurface::ContourRequest request =
     MakeRequest(header, blocks, this->Contour->GetGenerateTriangles() == 0);
   SurfaceExchange exchange(ranks, header, request, settings);

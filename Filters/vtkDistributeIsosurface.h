@@ -13,7 +13,7 @@
  * arrived; the contour does not execute. Triangles, GlobalIds and isovalues are those of the
  * contour; points, normals and arrays are exact or within bounds, and equal on both sides of a
  * border. On one rank the output is the input. On several ranks TimeBudget and Progressive have no
- * effect; DropDegenerateTriangles, CloseBoundary and any other input are errors.
+ * effect; DropDegenerateTriangles, CloseBoundary, ComputeIslandIds and any other input are errors.
  *
  * Field data: the cost on this rank. All ranks of the controller must execute together; all report
  * the errors of any, and the output is empty then.

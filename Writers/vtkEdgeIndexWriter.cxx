@@ -16,6 +16,7 @@
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "ContourBlocks.h"
 #include "ContourHeader.h"
+#include "ContourIslands.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
@@ -80,11 +81,10 @@ Status CheckContour(vtkStabbingContour* contour)
     return refuse("An edge-index file cannot hold the holes that SkipNotANumber leaves: turn "
                   "SkipNotANumber of Isosurface off.");
   }
-  if (contour->FindsIslands())
+  if (contour->GetComputeIslandIds())
   {
-    return refuse("An edge-index file holds a surface with all its islands: set MinimumIslandSize "
-                  "and MaximumIslands of Isosurface to 0, and turn its UseIslandPoint and "
-                  "ComputeIslandIds off; or save this surface in another format, such as .vtp.");
+    return refuse("An edge-index file has no arrays of triangles: turn ComputeIslandIds of "
+                  "Isosurface off; or save this surface in another format, such as .vtp.");
   }
   if (!contour->GetGenerateTriangles())
   {
@@ -319,11 +319,15 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
     this->Contour, this->Ranks.GetRank(), this->Ranks.GetSize(), time, blocks));
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
     blocks.Volume ? isosurface::CheckIsOther(path, blocks.Volume->GetPath()) : Status::Ok()));
-  ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexHeader header, this->MakeHeader(blocks));
+  ISOSURFACE_ASSIGN_OR_RETURN(EdgeIndexHeader header, this->MakeHeader(blocks));
+  const isosurface::EdgeIndexWriteJob::Settings settings = this->MakeSettings();
+  const double middle =
+    this->FirstShare + (blocks.Islands ? 0.3 : 0) * (this->LastShare - this->FirstShare);
+  ISOSURFACE_RETURN_IF_ERROR(isosurface::LeaveOutIslands(this->Ranks, blocks, settings.Threads,
+    isosurface::MakeProgress(this->Writer, this->FirstShare, middle), header));
   isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, header,
-    *blocks.Source, blocks.Numbers, this->MakeSettings());
-  const auto written =
-    job.Run(isosurface::MakeProgress(this->Writer, this->FirstShare, this->LastShare));
+    *blocks.Source, blocks.Numbers, settings);
+  const auto written = job.Run(isosurface::MakeProgress(this->Writer, middle, this->LastShare));
   if (written.IsOk() && this->Ranks.GetRank() == 0)
   {
     vtkLogF(1, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),

@@ -9,7 +9,10 @@
  * (CollectContourBlocks), without executing the contour, and writes a surface of any size within
  * MemoryLimit. Connectivity and GlobalIds are exact, points as Mode says, interpolated arrays and
  * normals exact or within a bound. Any other input is an error, and so are surfaces with
- * DropDegenerateTriangles (but of closed ones) or polygons.
+ * DropDegenerateTriangles (but of closed ones), island ids or polygons.
+ *
+ * If the contour leaves islands out, each rank first makes the triangles of its blocks, to find
+ * them: see LeaveOutIslands. A closed surface is lossless then, in every mode.
  *
  * All ranks of the controller call Write(), and write one file together. It does not depend on the
  * number of ranks or threads, and appears in one step at the end. If there is an error on any rank,

@@ -353,12 +353,17 @@ TEST(DistributeParts, FollowTheContour)
     const std::set<std::string> lines = ListPointData(distributed.Update());
     EXPECT_TRUE(lines == ListPointData(distributed.UpdateContour()));
     EXPECT_GT(lines.size(), 0u);
+    return lines.size();
   };
   expectSame();
   distributed.Contour->SetValue(1, 90);
   expectSame();
-  distributed.Contour->SetLevel(1);
+  distributed.Contour->SetMaximumIslands(1);
   expectSame();
+  distributed.Contour->SetLevel(1);
+  const std::size_t largest = expectSame();
+  distributed.Contour->SetMaximumIslands(0);
+  EXPECT_GT(expectSame(), largest);
   if (GetNumberOfRanks() > 1)
   {
     EXPECT_EQ(GetField(distributed.Filter->GetOutput(), "Level"), 1);
@@ -367,6 +372,8 @@ TEST(DistributeParts, FollowTheContour)
   distributed.Contour->SetComputeScalars(0);
   expectSame();
   distributed.Contour->SetGenerateTriangles(0);
+  expectSame();
+  distributed.Contour->SetMaximumIslands(1);
   expectSame();
 }
 
@@ -494,6 +501,9 @@ TEST(DistributeErrors, WhatCannotBeDistributedIsRefusedByEveryRank)
   distributed.Contour->DropDegenerateTrianglesOn();
   expectRefusal("turn DropDegenerateTriangles of Isosurface off");
   distributed.Contour->DropDegenerateTrianglesOff();
+  distributed.Contour->ComputeIslandIdsOn();
+  expectRefusal("turn ComputeIslandIds of Isosurface off");
+  distributed.Contour->ComputeIslandIdsOff();
 
   vtkNew<vtkPlane> plane;
   vtkNew<vtkClipPolyData> clip;

@@ -233,13 +233,17 @@ TEST_F(EdgeIndexWriter, LevelsRegionsAndComponentsAreThoseOfTheContour)
   checkRegion("a region of an image");
   this->UseVolume(image);
   check("a volume");
-  checkRegion("a region of a volume");
-  for (const int level : { 1, 2 })
+  for (const int islands : { 0, 1 })
   {
-    this->Contour->SetLevel(level);
-    check("a level");
+    this->Contour->SetMaximumIslands(islands);
+    checkRegion("a region of a volume");
+    for (const int level : { 1, 2, 0 })
+    {
+      this->Contour->SetLevel(level);
+      check("a level");
+    }
   }
-  this->Contour->SetLevel(0);
+  this->Contour->SetMaximumIslands(0);
 
   vtkNew<vtkImageData> vectors;
   vectors->SetExtent(image->GetExtent());
@@ -284,6 +288,7 @@ TEST_F(EdgeIndexWriter, ArraysAndNormalsAreThoseOfTheContour)
     {
       this->Contour->SetInputData(image);
     }
+    this->Contour->SetMaximumIslands(fromVolume ? 1 : 0);
     this->Contour->Update();
     std::map<double, vtkIdType> points;
     vtkPointData* exact = this->Contour->GetOutput()->GetPointData();
@@ -297,6 +302,7 @@ TEST_F(EdgeIndexWriter, ArraysAndNormalsAreThoseOfTheContour)
       this->Write();
       const auto read = this->Read(this->Path);
       vtkPointData* data = read->GetPointData();
+      EXPECT_EQ(read->GetNumberOfPoints(), static_cast<vtkIdType>(points.size()));
       ASSERT_NE(data->GetNormals(), nullptr);
       ASSERT_NE(data->GetArray("depth"), nullptr);
       EXPECT_EQ(data->GetArray("depth")->GetDataType(), VTK_DOUBLE);
@@ -439,6 +445,9 @@ TEST_F(EdgeIndexWriter, OptionsThatTheFileCannotHoldAreNamed)
   this->Contour->SetDropDegenerateTriangles(true);
   expectRefusal("DropDegenerateTriangles");
   this->Contour->SetDropDegenerateTriangles(false);
+  this->Contour->SetComputeIslandIds(true);
+  expectRefusal("ComputeIslandIds");
+  this->Contour->SetComputeIslandIds(false);
   this->Contour->SetSkipNotANumber(true);
   expectRefusal("SkipNotANumber");
   this->Contour->SetSkipNotANumber(false);
