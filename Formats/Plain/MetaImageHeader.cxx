@@ -88,8 +88,17 @@ private:
       {
         return this->Corrupt("a line without \"=\"");
       }
-      this->Fields[LowerText(TrimText(line->substr(0, equals)))] =
-        TrimText(line->substr(equals + 1));
+      static const std::map<std::string, std::string> others = { { "position", "offset" },
+        { "origin", "offset" }, { "rotation", "transformmatrix" },
+        { "orientation", "transformmatrix" }, { "elementbyteordermsb", "binarydatabyteordermsb" } };
+      const std::string name = LowerText(TrimText(line->substr(0, equals)));
+      const std::string value = TrimText(line->substr(equals + 1));
+      const auto other = others.find(name);
+      const std::string key = other == others.end() ? name : other->second;
+      if (!this->Fields.emplace(key, value).second && this->Fields[key] != value)
+      {
+        return this->Corrupt(key + " is there twice, with different values");
+      }
     }
     return Status::Ok();
   }
@@ -137,9 +146,8 @@ private:
     const auto has = [&](std::initializer_list<const char*> names)
     { return !this->Get(names, "").empty(); };
     const std::initializer_list<const char*> spacings = { "elementspacing", "elementsize" };
-    const std::initializer_list<const char*> origins = { "offset", "position", "origin" };
-    const std::initializer_list<const char*> matrices = { "transformmatrix", "rotation",
-      "orientation" };
+    const std::initializer_list<const char*> origins = { "offset" };
+    const std::initializer_list<const char*> matrices = { "transformmatrix" };
     const auto spacing = has(spacings) ? take(spacings, axes) : std::vector<double>(axes, 1);
     const auto origin = has(origins) ? take(origins, axes) : std::vector<double>(axes, 0);
     std::optional<std::vector<double>> matrix(std::in_place, axes * axes, 0.0);
@@ -186,7 +194,7 @@ private:
     {
       return this->Unsupported("its samples are text");
     }
-    this->Volume.IsBigEndian = this->IsTrue({ "elementbyteordermsb", "binarydatabyteordermsb" });
+    this->Volume.IsBigEndian = this->IsTrue({ "binarydatabyteordermsb" });
     this->Volume.IsGzip = this->IsTrue({ "compresseddata" });
     const auto headerSize = ParseInteger(this->Get({ "headersize" }, "0"));
     if (!headerSize || *headerSize < -1)

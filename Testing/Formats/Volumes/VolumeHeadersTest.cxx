@@ -150,6 +150,23 @@ TEST(MetaImageHeader, UnitsAreTakenAndScalesTold)
     "the samples are not scaled by ElementToIntensityFunctionSlope, 2, and -Offset, 0");
 }
 
+TEST(MetaImageHeader, FieldsThatContradictOneAnotherAreRefused)
+{
+  MemoryDisk disk;
+  for (const char* const twice :
+    { "Offset = 1 2 3\nOrigin = 4 5 6\n", "ElementSpacing = 1 1 1\nElementSpacing = 2 2 2\n",
+      "BinaryDataByteOrderMSB = False\nElementByteOrderMSB = True\n" })
+  {
+    WriteFile(disk, "/data/a.mha",
+      Join(MetaStart + twice + "ElementType = MET_SHORT\nElementDataFile = LOCAL\n",
+        MakeBytes(MakeRamp<std::int16_t>(Size))));
+    EXPECT_NE(
+      OpenForeignVolume(disk, "/data/a.mha").GetStatus().GetMessage().find("is there twice"),
+      std::string::npos)
+      << twice;
+  }
+}
+
 TEST(MetaImageHeader, BytesBehindTheSamplesAreTold)
 {
   MemoryDisk disk;
