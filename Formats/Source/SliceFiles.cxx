@@ -56,7 +56,8 @@ std::optional<std::size_t> FindCounter(const std::vector<NumberedName>& names)
   return counter;
 }
 
-/// Checks that the numbers of a series increase by equal steps. Says so if these are not 1.
+/// Checks that the numbers of a series increase by equal steps. Says so if these are not 1, or if there are
+/// no such numbers.
 Status CheckSteps(
   const std::string& folder, const std::vector<NumberedName>& names, std::string& note)
 {
@@ -71,6 +72,11 @@ Status CheckSteps(
       return Status::Ok(); // a time or a hash instead of the number of a slice
     }
     numbers.push_back(*number);
+  }
+  if (!counter && names.size() > 1)
+  {
+    note = "the names differ in more than one number (" + names.front().Name + ", " +
+      names.back().Name + "): all are slices of one volume, in the order of their names";
   }
   for (std::size_t file = 2; file < numbers.size(); ++file)
   {

@@ -100,6 +100,9 @@ class SlicesOfImages(Folders):
         for number in (3, 6, 9):
             shutil.copy(self.path(f"m/slice{number}.png".replace("6", "5")), self.path(f"every third/slice{number}.png"))
         self.assertIn("the numbers in the names go up by 3", self.run_tool("every third", "o.bvol")[2])
+        os.rename(self.path("every third/slice9.png"), self.path("every third/mask9.png"))
+        self.assertIn("the names differ in more than one number (mask9.png, slice6.png): all are slices of one volume",
+                      self.run_tool("every third", "o.bvol")[2])
 
 
 class TimeSteps(Folders):
