@@ -392,7 +392,8 @@ private:
         continue;
       }
       if ((type != "scale" && type != "translation") || !numbers.is_array() ||
-        numbers.size() != scale.size())
+        numbers.size() != scale.size() ||
+        !std::all_of(numbers.begin(), numbers.end(), [](const Json& n) { return n.is_number(); }))
       {
         return this->MakeError(StatusCode::Unsupported, this->Folder,
           "its transformation, " + type +

@@ -32,10 +32,11 @@ def take_number(name: str, value: Any) -> float:
 def take_numbers(name: str, value: Any, shape: Optional[Tuple[int, ...]] = None, what: str = "") -> numpy.ndarray:
     """Finite numbers, of a shape that `what` describes."""
     try:
-        if value is None or numpy.iscomplexobj(value):
+        array = numpy.asarray(value)
+        if value is None or array.dtype.kind not in "biufO":
             raise TypeError
-        numbers = numpy.asarray(value, float)
-    except (TypeError, ValueError):
+        numbers = array.astype(float)
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{name} is {what or 'a number, or numbers'}, and not {value!r}") from None
     if shape is not None and numbers.shape != shape:
         raise ValueError(f"{name} is {what}, and not {value!r}")
@@ -47,6 +48,8 @@ def take_numbers(name: str, value: Any, shape: Optional[Tuple[int, ...]] = None,
 def take_text(name: str, value: Any) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{name} is a str, and not {value!r}")
+    if not value.isascii() and value.encode(errors="ignore").decode() != value:
+        raise ValueError(f"{name} has a character that is none of Unicode: {value!r}")
     return value
 
 

@@ -373,6 +373,8 @@ class ImagesAndErrors(SourceCase):
         axes = [{"name": name, "type": "space"} for name in "zyx"]
         self.write_image("t.zarr", 2, make_samples("uint8", (9, 8, 7)), axes, [{"type": "scale", "path": "s"}])
         self.assert_error("t.zarr", "its transformation, scale in a file (path)")
+        self.write_image("n.zarr", 2, make_samples("uint8", (9, 8, 7)), axes, [{"type": "scale", "scale": [1, "2", 1]}])
+        self.assert_error("n.zarr", "its transformation, scale, is not a scale")
 
     def test_errors_name_folder_and_reason(self):
         create_group(self.path("g.zarr"))
