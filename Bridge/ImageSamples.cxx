@@ -4,6 +4,7 @@
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -25,11 +26,21 @@ namespace isosurface
 namespace
 {
 constexpr const char* WholeExtentName = "BlockedVolumeExtent";
-constexpr const char* LengthUnitName = "PhysicalSizeUnit";
 
 std::string NameOf(vtkDataArray* array)
 {
   return std::string("array \"") + (array->GetName() ? array->GetName() : "") + "\"";
+}
+
+void StoreText(vtkDataObject* data, const std::string& name, const char* text, int times)
+{
+  vtkNew<vtkStringArray> array;
+  array->SetName(name.c_str());
+  for (int number = 0; number < times; ++number)
+  {
+    array->InsertNextValue(text);
+  }
+  data->GetFieldData()->AddArray(array);
 }
 } // namespace
 
@@ -155,17 +166,27 @@ bool FindWholeExtent(vtkImageData* image, int wholeExtent[6])
 
 void StoreLengthUnit(vtkDataObject* data, LengthUnit unit)
 {
-  if (unit == LengthUnit::Unknown)
+  if (unit != LengthUnit::Unknown)
   {
-    return;
+    StoreText(data, LengthUnitName, GetLengthUnitName(unit), 3);
   }
-  vtkNew<vtkStringArray> array;
-  array->SetName(LengthUnitName);
-  for (int axis = 0; axis < 3; ++axis)
+}
+
+void StoreUnit(vtkDataObject* data, const std::string& array, const std::string& unit)
+{
+  if (!unit.empty())
   {
-    array->InsertNextValue(GetLengthUnitName(unit));
+    StoreText(data, array + UnitEnd, unit.c_str(), 1);
   }
-  data->GetFieldData()->AddArray(array);
+}
+
+void StoreWindow(vtkDataObject* data, const std::string& array, const std::array<double, 2>& window)
+{
+  vtkNew<vtkDoubleArray> values;
+  values->SetName((array + WindowEnd).c_str());
+  values->InsertNextValue(window[0]);
+  values->InsertNextValue(window[1]);
+  data->GetFieldData()->AddArray(values);
 }
 
 LengthUnit FindLengthUnitOf(vtkDataObject* data)

@@ -12,6 +12,7 @@
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/SampleView.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,8 +53,18 @@ ISOSURFACEBRIDGE_EXPORT bool FindWholeExtent(vtkImageData* image, int wholeExten
 
 /// The unit of length of a dataset's coordinates: that of all axes in the field PhysicalSizeUnit, which
 /// vtkOMETIFFReader has, too.
+constexpr const char* LengthUnitName = "PhysicalSizeUnit";
 ISOSURFACEBRIDGE_EXPORT void StoreLengthUnit(vtkDataObject* data, LengthUnit unit);
 ISOSURFACEBRIDGE_EXPORT LengthUnit FindLengthUnitOf(vtkDataObject* data);
+
+/// What views tell of an array, as fields beside it, whose names begin with that of the array: the unit of
+/// its values, and those that are black and white by what its file says.
+constexpr const char* UnitEnd = " Unit";
+constexpr const char* WindowEnd = " Window";
+ISOSURFACEBRIDGE_EXPORT void StoreUnit(
+  vtkDataObject* data, const std::string& array, const std::string& unit);
+ISOSURFACEBRIDGE_EXPORT void StoreWindow(
+  vtkDataObject* data, const std::string& array, const std::array<double, 2>& window);
 
 /// The time of a dataset: that of the pipeline, else the field TimeValue, which files carry.
 ISOSURFACEBRIDGE_EXPORT std::optional<double> FindTime(vtkDataObject* data);

@@ -12,6 +12,7 @@
 #include "vtkDataSetAttributes.h"
 #include "vtkExecutive.h"
 #include "vtkExtentTranslator.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -346,6 +347,8 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
       this->ShownLevel = planned.Level;
       ISOSURFACE_RETURN_IF_ERROR(
         this->FillOutput(input, FindPart(planned, request, output), outInfo, threads, planned));
+      vtkDataObject::GetData(outInfo)->GetFieldData()->PassData(
+        vtkDataObject::GetData(inInfo)->GetFieldData());
       if (!this->IsCoarse)
       {
         return Status::Ok();

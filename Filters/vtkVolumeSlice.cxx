@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkVolumeSlice.h"
 
-#include "ContouredArray.h"
 #include "SampledImage.h"
 #include "VolumeReading.h"
 
 #include "vtkCellArray.h"
-#include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
 #include "vtkFlyingEdges2D.h"
@@ -22,7 +20,6 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkSmartPointer.h"
-#include "vtkStringArray.h"
 #include "vtkUnsignedCharArray.h"
 
 #include "ControllerCommunicator.h"
@@ -296,27 +293,6 @@ int vtkVolumeSlice::RequestData(
     isolines->Initialize();
   }
   return isosurface::EndExecution(this, output, status);
-}
-
-//------------------------------------------------------------------------------
-vtkStringArray* vtkVolumeSlice::GetHounsfieldArrays()
-{
-  this->HounsfieldArrays->Initialize();
-  vtkDataObject* input =
-    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr;
-  for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
-  {
-    vtkPointData* arrays = data->GetPointData();
-    for (int number = 0; number < arrays->GetNumberOfArrays(); ++number)
-    {
-      vtkDataArray* array = arrays->GetArray(number);
-      if (array && isosurface::FindUnit(array) == "HU")
-      {
-        this->HounsfieldArrays->InsertNextValue(array->GetName());
-      }
-    }
-  }
-  return this->HounsfieldArrays;
 }
 
 //------------------------------------------------------------------------------

@@ -30,7 +30,6 @@
 
 class vtkMultiProcessController;
 class vtkPolyData;
-class vtkStringArray;
 
 class ISOSURFACEFILTERS_EXPORT vtkVolumeSlice : public vtkImageAlgorithm
 {
@@ -100,11 +99,6 @@ public:
    */
   const char* GetShownText();
 
-  /**
-   * The names of the input's arrays in Hounsfield units, on the first rank. The input must be up to date.
-   */
-  vtkStringArray* GetHounsfieldArrays();
-
   ///@{
   /**
    * For a window, as of vtkStabbingContour: while coarse images are allowed, a large image of
@@ -155,7 +149,6 @@ private:
   double MaximumPoints;
   vtkNew<vtkContourValues> Isovalues;
   std::string IsolineArray;
-  vtkNew<vtkStringArray> HounsfieldArrays;
   double Refinement[9];
   vtkMultiProcessController* Controller;
   std::unique_ptr<Steps> Internals;

@@ -376,6 +376,10 @@ int vtkBlockedVolumeReader::RequestData(
   }
   // Filters hand on the field data of the composite, and not that of its parts.
   isosurface::StoreLengthUnit(partitions, reading.Volume->GetHeader().Grid.Unit);
+  for (const isosurface::ArrayDescription& array : reading.Volume->GetHeader().Arrays)
+  {
+    isosurface::StoreUnit(partitions, array.Name, array.Unit);
+  }
   const bool isBox = !this->Handle->IsOutputNeeded();
   status = isosurface::Attempt(reading.Volume->GetPath(),
     [&]

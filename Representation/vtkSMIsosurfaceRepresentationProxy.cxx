@@ -3,6 +3,7 @@
 #include "vtkSMIsosurfaceRepresentationProxy.h"
 
 #include "IsovalueCategories.h"
+#include "LengthUnitLabels.h"
 
 #include "vtkDataObject.h"
 #include "vtkDataSetAttributes.h"
@@ -115,6 +116,7 @@ void vtkSMIsosurfaceRepresentationProxy::ViewUpdated(vtkSMProxy* view)
     }
     this->HasOwnMap = contour != nullptr;
   }
+  isosurface::TellLengthUnit(view);
   this->Superclass::ViewUpdated(view);
 }
 

@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkSMVolumeSliceRepresentationProxy.h"
 
+#include "ImageSamples.h"
+#include "LengthUnitLabels.h"
+
 #include "vtkDataObject.h"
 #include "vtkObjectFactory.h"
 #include "vtkPVArrayInformation.h"
+#include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMTransferFunctionManager.h"
+#include "vtkSMTransferFunctionProxy.h"
 
 #include <array>
 #include <cstring>
@@ -16,13 +21,12 @@ vtkStandardNewMacro(vtkSMVolumeSliceRepresentationProxy);
 namespace
 {
 
-/// Of soft tissue: width 400 around 40.
-constexpr double Darkest = -160;
-constexpr double Brightest = 240;
+/// Width 400 around 40.
+constexpr double SoftTissue[] = { -160, 240 };
 
-void ShowInGrey(vtkSMProxy* map)
+void ShowInGrey(vtkSMProxy* map, const double* window)
 {
-  const std::array<double, 8> points = { Darkest, 0, 0, 0, Brightest, 1, 1, 1 };
+  const std::array<double, 8> points = { window[0], 0, 0, 0, window[1], 1, 1, 1 };
   vtkSMPropertyHelper(map, "RGBPoints")
     .Set(points.data(), static_cast<unsigned int>(points.size()));
   vtkSMPropertyHelper(map, "ColorSpace").Set("RGB");
@@ -34,45 +38,67 @@ void ShowInGrey(vtkSMProxy* map)
 } // namespace
 
 //------------------------------------------------------------------------------
-void vtkSMVolumeSliceRepresentationProxy::ViewUpdated(vtkSMProxy* view)
+bool vtkSMVolumeSliceRepresentationProxy::SetRepresentationType(const char* type)
 {
-  if (vtkSMPropertyHelper(this, "Visibility").GetAsInt() != 0 &&
-    vtkSMPropertyHelper(this, "HounsfieldWindow").GetAsInt() != 0 && this->GetUsingScalarColoring())
+  // As ParaView does for its own types of samples, Slice and Volume.
+  if (type && std::strcmp(type, "Three Slices") == 0 && !this->GetUsingScalarColoring())
   {
-    vtkSMPropertyHelper(this, "HounsfieldWindow").Set(0);
-    vtkSMProxy* map = vtkSMPropertyHelper(this, "LookupTable").GetAsProxy();
-    if (map && this->IsOfCT() &&
-      vtkSMPropertyHelper(map, "AutomaticRescaleRangeMode").GetAsInt() !=
-        vtkSMTransferFunctionManager::NEVER)
+    this->GetProperty("ColorArrayName")->ResetToDomainDefaults();
+    vtkSMPropertyHelper chosen(this, "ColorArrayName");
+    const std::string array = chosen.GetInputArrayNameToProcess();
+    if (!array.empty() && this->SetScalarColoring(array.c_str(), chosen.GetInputArrayAssociation()))
     {
-      ShowInGrey(map);
+      this->RescaleTransferFunctionToDataRange(true, false);
     }
   }
+  return this->Superclass::SetRepresentationType(type);
+}
+
+//------------------------------------------------------------------------------
+void vtkSMVolumeSliceRepresentationProxy::ViewUpdated(vtkSMProxy* view)
+{
+  vtkSMProxy* map = vtkSMPropertyHelper(this, "LookupTable").GetAsProxy();
+  if (vtkSMPropertyHelper(this, "Visibility").GetAsInt() != 0 && map &&
+    this->GetUsingScalarColoring() &&
+    vtkSMPropertyHelper(this, "ColorArrayName").GetInputArrayAssociation() == vtkDataObject::POINT)
+  {
+    const std::string name =
+      vtkSMPropertyHelper(this, "ColorArrayName").GetInputArrayNameToProcess();
+    const std::string unit = isosurface::FindFieldText(this, name + isosurface::UnitEnd);
+    if (vtkSMPropertyHelper(this, "HounsfieldWindow").GetAsInt() != 0)
+    {
+      vtkSMPropertyHelper(this, "HounsfieldWindow").Set(0);
+      this->ShowWindow(map, name, unit == "HU" || name == "HU");
+    }
+    vtkSMProxy* legend = vtkSMTransferFunctionProxy::FindScalarBarRepresentation(map, view);
+    if (legend && !unit.empty() && vtkSMPropertyHelper(legend, "Title").GetAsString() == name)
+    {
+      vtkSMPropertyHelper(legend, "Title").Set((name + " (" + unit + ")").c_str());
+      legend->UpdateVTKObjects();
+    }
+  }
+  isosurface::TellLengthUnit(view);
   this->Superclass::ViewUpdated(view);
 }
 
 //------------------------------------------------------------------------------
-bool vtkSMVolumeSliceRepresentationProxy::IsOfCT()
+void vtkSMVolumeSliceRepresentationProxy::ShowWindow(
+  vtkSMProxy* map, const std::string& array, bool isHounsfield)
 {
-  vtkSMProxy* slice = vtkSMPropertyHelper(this, "Input").GetAsProxy();
-  vtkSMProperty* names = slice ? slice->GetProperty("HounsfieldArrays") : nullptr;
-  vtkSMPropertyHelper shown(this, "ColorArrayName");
-  vtkPVArrayInformation* array = this->GetArrayInformationForColorArray();
-  if (!names || !array || shown.GetInputArrayAssociation() != vtkDataObject::POINT ||
-    array->GetComponentRange(0)[1] <= Darkest || array->GetComponentRange(0)[0] >= Brightest)
+  vtkPVArrayInformation* window = isosurface::FindField(this, array + isosurface::WindowEnd);
+  vtkPVArrayInformation* samples = this->GetArrayInformationForColorArray();
+  if (!samples || !(window || isHounsfield) ||
+    vtkSMPropertyHelper(map, "AutomaticRescaleRangeMode").GetAsInt() ==
+      vtkSMTransferFunctionManager::NEVER)
   {
-    return false;
+    return;
   }
-  slice->UpdatePropertyInformation(names);
-  vtkSMPropertyHelper all(names);
-  for (unsigned int number = 0; number < all.GetNumberOfElements(); ++number)
+  const double* shown = window ? window->GetComponentRange(0) : SoftTissue;
+  const double* range = samples->GetComponentRange(0);
+  if (range[1] > shown[0] && range[0] < shown[1])
   {
-    if (std::strcmp(all.GetAsString(number), shown.GetInputArrayNameToProcess()) == 0)
-    {
-      return true;
-    }
+    ShowInGrey(map, shown);
   }
-  return false;
 }
 
 //------------------------------------------------------------------------------

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkSMVolumeSliceRepresentationProxy
- * @brief   shows the slices of a CT in grey
+ * @brief   shows volumes and slices of them, those of a CT in grey
  *
- * When a slice is shown for the first time, by an array in Hounsfield units, the color map of the array
- * becomes grey, with the usual window of soft tissue, unless somebody has fixed its range. It stays as
- * it is from then on: whoever changes it later is not disturbed.
+ * When an array is shown for the first time that has a window of its file, or is in Hounsfield units, its
+ * color map becomes grey, with that window, or the usual one of soft tissue, unless somebody has fixed its
+ * range. It stays as it is from then on: whoever changes it later is not disturbed. The legend tells the
+ * unit of the array.
  */
 
 #ifndef vtkSMVolumeSliceRepresentationProxy_h
@@ -14,6 +15,8 @@
 
 #include "IsosurfaceRepresentationModule.h" // For export macro
 #include "vtkSMPVRepresentationProxy.h"
+
+#include <string> // For the array's name
 
 class ISOSURFACEREPRESENTATION_EXPORT vtkSMVolumeSliceRepresentationProxy
   : public vtkSMPVRepresentationProxy
@@ -23,6 +26,7 @@ public:
   vtkTypeMacro(vtkSMVolumeSliceRepresentationProxy, vtkSMPVRepresentationProxy);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  bool SetRepresentationType(const char* type) override;
   void ViewUpdated(vtkSMProxy* view) override;
 
 protected:
@@ -33,8 +37,8 @@ private:
   vtkSMVolumeSliceRepresentationProxy(const vtkSMVolumeSliceRepresentationProxy&) = delete;
   void operator=(const vtkSMVolumeSliceRepresentationProxy&) = delete;
 
-  /// Whether the slice is colored by an array in Hounsfield units that has values in the window.
-  bool IsOfCT();
+  /// Makes the map of an array grey, if it has values in a window.
+  void ShowWindow(vtkSMProxy* map, const std::string& array, bool isHounsfield);
 };
 
 #endif

@@ -16,6 +16,7 @@
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
+#include "ImageSamples.h"
 
 #include "Formats/Indexing/GrowingIndex.h"
 #include "Formats/Indexing/SourceIndex.h"
@@ -23,6 +24,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/PrintableText.h"
+#include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <chrono>
@@ -123,6 +125,9 @@ struct vtkInPlaceVolumeReader::Steps
   Status ChangeStep(isosurface::Communicator& ranks, std::size_t step);
   /// The times in the header of the source; none if it cannot be read.
   std::vector<double> ReadTimes() const;
+
+  /// Stores the window of DICOM beside its samples. (Others have none, and may take long to open.)
+  void TellWindow(vtkInformation* outInfo) const;
 
   /// Collective. Has the reader read the volume in place, or the sample.
   Status Choose(isosurface::Communicator& ranks);
@@ -227,6 +232,26 @@ Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks, std
       isosurface::MakeProgress(this->Reader)));
   // The index of a small file is there as soon as a sample.
   return sample.IsWhole ? this->Update(ranks) : this->Grow(ranks, std::move(sample));
+}
+
+void vtkInPlaceVolumeReader::Steps::TellWindow(vtkInformation* outInfo) const
+{
+  constexpr const char* name = "DICOM";
+  vtkInPlaceVolumeReader& reader = this->Reader;
+  auto* handle = BLOCKED_VOLUME()->GetHandle(outInfo);
+  if (!handle || !handle->GetVolume() || !handle->GetVolume()->GetHeader().FindArray(name))
+  {
+    return;
+  }
+  if (reader.WindowSource != this->Index.Source)
+  {
+    reader.WindowSource = this->Index.Source;
+    reader.Window = isosurface::FindWindow(isosurface::GetLocalFileSystem(), this->Index);
+  }
+  if (reader.Window)
+  {
+    isosurface::StoreWindow(vtkDataObject::GetData(outInfo), name, *reader.Window);
+  }
 }
 
 Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
@@ -425,7 +450,12 @@ int vtkInPlaceVolumeReader::RequestData(
       return isosurface::EndExecution(this, output, status);
     }
   }
-  return this->Superclass::RequestData(request, input, output);
+  const int isRead = this->Superclass::RequestData(request, input, output);
+  if (isRead != 0)
+  {
+    Steps(*this).TellWindow(output->GetInformationObject(0));
+  }
+  return isRead;
 }
 
 //------------------------------------------------------------------------------

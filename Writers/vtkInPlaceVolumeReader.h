@@ -26,9 +26,11 @@
 #include "IsosurfaceWritersModule.h" // For export macro
 #include "vtkBlockedVolumeReader.h"
 
-#include <cstddef> // For time steps
-#include <memory>  // For the index that grows
-#include <string>  // For the paths
+#include <array>    // For the window
+#include <cstddef>  // For time steps
+#include <memory>   // For the index that grows
+#include <optional> // For the window
+#include <string>   // For the paths
 
 namespace isosurface
 {
@@ -185,6 +187,8 @@ private:
   vtkMTimeType TellTime;  ///< our MTime when SourceTimes were read
   bool CoarseAllowed;
   double Indexing[3];
+  std::string WindowSource; ///< the source whose window was looked for last
+  std::optional<std::array<double, 2>> Window;
   std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown
   vtkSmartPointer<vtkBlockedVolumeHandle> Indexed;   ///< the volume, between its end and TakeIndex
 };

@@ -57,6 +57,24 @@ double FindUnit(const std::string& number)
   return std::pow(10, scale - decimals);
 }
 
+/// The first of several windows; those of a table (VOI LUT Sequence) are none.
+void TakeWindow(const DicomDataSet& tags, DicomSlice& slice)
+{
+  const auto first = [&tags](DicomTag tag)
+  {
+    const std::string text = tags.GetText(tag);
+    return ParseDoubles(text.substr(0, text.find('\\')), 1);
+  };
+  const auto center = first(0x00281050);
+  const auto width = first(0x00281051);
+  if (center && width && std::isfinite((*center)[0]) && std::isfinite((*width)[0]) &&
+    (*width)[0] > 0)
+  {
+    slice.WindowCenter = (*center)[0];
+    slice.WindowWidth = (*width)[0];
+  }
+}
+
 void TakePlace(const DicomDataSet& tags, DicomSlice& slice)
 {
   const auto position = tags.GetNumbers(0x00200032, 3);
@@ -193,6 +211,7 @@ Status TakeHeader(const DicomDataSet& tags, DicomSlice& slice)
   slice.Unit = slice.Unit.empty() && slice.Modality == "CT" ? "HU" : slice.Unit;
   slice.Unit = slice.Unit == "US" ? "" : slice.Unit;
   slice.Frame = tags.GetText(0x00200052);
+  TakeWindow(tags, slice);
   TakePlace(tags, slice);
   slice.ImageType = tags.GetText(0x00080008);
   for (std::size_t moment = 0; moment < slice.Moments.size(); ++moment)

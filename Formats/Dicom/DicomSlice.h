@@ -40,6 +40,8 @@ struct DicomSlice
   int ValueBits = 8;                  ///< that samples may have
   SampleScale Scale;
   std::string Unit;          ///< of scaled samples: "HU", "BQML"; empty if the header tells none
+  double WindowCenter = 0;   ///< of the first window of scaled samples
+  double WindowWidth = 0;    ///< of that; 0: there is none
   bool HasPlace = false;     ///< whether the next four are in the header
   Vector3 Position{};        ///< of the first pixel, in millimetres: left, back, up
   double PositionUnit = 0;   ///< a step of the last digit of those, in millimetres

@@ -7,7 +7,9 @@
 #include "Ground/Volume/PageBuffer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -140,8 +142,22 @@ std::string FindNotes(const Slices& slices)
   return notes;
 }
 
+/// The window of the first slice that has one, as an object of JSON.
+std::string FindAttributes(const Slices& slices)
+{
+  const auto has = std::find_if(
+    slices.begin(), slices.end(), [](const DicomSlice& slice) { return slice.WindowWidth > 0; });
+  std::array<char, 120> text{};
+  if (has != slices.end())
+  {
+    std::snprintf(text.data(), text.size(), R"({"WindowCenter": %.17g, "WindowWidth": %.17g})",
+      has->WindowCenter, has->WindowWidth);
+  }
+  return text.data();
+}
+
 Result<OpenedVolume> OpenDicomVolume(
-  FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& /*choice*/)
+  FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
 {
   PassedOver over;
   ISOSURFACE_ASSIGN_OR_RETURN(auto slices, ChooseDicomSeries(name, over));
@@ -153,6 +169,7 @@ Result<OpenedVolume> OpenDicomVolume(
     volume.LeftOut += (volume.LeftOut.empty() || text.empty() ? "" : "; ") + text;
   }
   const ValueType type = FindType(slices);
+  volume.Attributes = choice.WantsAttributes ? FindAttributes(slices) : "";
   const bool hasUnit = IsSame(slices, &DicomSlice::Unit);
   volume.Arrays = { { "DICOM", type, 1, hasUnit ? slices.front().Unit : "" } };
   for (const DicomSlice& slice : slices)

@@ -5,6 +5,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
 #include "Formats/Source/FileNames.h"
+#include "Formats/Zarr/JsonField.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -110,6 +111,24 @@ bool IsNamedAlike(FileSystem& files, const std::filesystem::path& source)
 }
 
 } // namespace
+
+std::optional<std::array<double, 2>> FindWindow(FileSystem& files, const SourceIndex& index)
+{
+  VolumeChoice choice;
+  choice.Axes = index.Axes;
+  choice.WantsAttributes = true;
+  const auto volume = OpenForeignVolume(files, index.Source, choice);
+  const auto said =
+    volume.IsOk() ? nlohmann::json::parse(volume->Attributes, nullptr, false) : nlohmann::json();
+  const nlohmann::json& center = FindJson(said, "WindowCenter");
+  const nlohmann::json& width = FindJson(said, "WindowWidth");
+  if (!center.is_number() || !width.is_number())
+  {
+    return std::nullopt;
+  }
+  const double half = width.get<double>() / 2;
+  return std::array<double, 2>{ center.get<double>() - half, center.get<double>() + half };
+}
 
 SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
   const std::string& dataset, const std::string& axes, const std::string& folder)

@@ -7,7 +7,9 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +59,10 @@ std::vector<std::string> ListVolumes(FileSystem& files, const std::string& chose
 /// Whether `chosen` is a file of which only a person may know what its samples are, and says so as its
 /// `dataset`: "512x512x300,uint16" (RawSamples.h).
 bool IsRawSource(FileSystem& files, const std::string& chosen);
+
+/// The values that are black and white in the images of a DICOM series, as the first image with a window
+/// says. Nothing if none has one, or it cannot be read. Cost: reading all headers.
+std::optional<std::array<double, 2>> FindWindow(FileSystem& files, const SourceIndex& index);
 
 enum class IndexState : std::uint8_t
 {

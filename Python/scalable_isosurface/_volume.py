@@ -255,8 +255,9 @@ class Volume:
     @property
     def attributes(self) -> Dict[str, Any]:
         """The attributes of the dataset in a file of HDF5, Zarr or N5, of an image in Zarr also those of its
-        group, read anew each time: texts, numbers, and flat lists of them; None for others and for NaN. Empty
-        for other formats, and for blocked volumes, which do not have them.
+        group, read anew each time: texts, numbers, and flat lists of them; None for others and for NaN. Of a
+        DICOM series WindowCenter and WindowWidth, of the first window that it names. Empty for other formats,
+        and for blocked volumes, which do not have them.
         """
         if self._opened.is_stored:
             return {}

@@ -88,6 +88,46 @@ class FirstLook(testing.TestCase):
         simple.Render(view)
         self.assertEqual((read_map(display), read_map(other)), (chosen, chosen))
 
+    def test_a_volume_is_shown_as_three_slices_through_its_middle(self):
+        images = []
+        reader = simple.OpenDataFile(testing.volume("wave.bvol"))
+        image = testing.open_image()
+        extent = image.GetDataInformation().GetExtent()
+        for sources in ([reader], [image] * 3):
+            view = testing.make_view()
+            for axis, source in enumerate(sources):
+                if source is image:
+                    voi = list(extent)
+                    voi[2 * axis] = voi[2 * axis + 1] = sum(extent[2 * axis : 2 * axis + 2]) // 2
+                    display = simple.Show(simple.ExtractSubset(Input=image, VOI=voi), view, Representation="Surface")
+                    display.Ambient, display.Diffuse, display.Specular = 1, 0, 0
+                    simple.ColorBy(display, ("POINTS", "RTData"))
+                else:
+                    display = simple.Show(reader, view)
+                    self.assertEqual(display.Representation, "Three Slices")
+                    self.assertEqual(display.ColorArrayName[1], "RTData")
+                display.LookupTable.RescaleTransferFunction(37, 277)
+            view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [60, 90, 70], [0, 0, 0], [0, 0, 1]
+            simple.ResetCamera(view)
+            simple.Render(view)
+            images.append(testing.read_window(view).astype(int))
+        self.assertGreater((images[0] != images[0][0, 0]).any(axis=2).mean(), 0.1)
+        self.assertLess((abs(images[0] - images[1]).max(axis=2) > 8).mean(), 0.002)
+
+    def test_what_others_make_of_a_volume_is_shown_as_ever(self):
+        for source in (testing.open_image(), simple.OpenDataFile(testing.volume("wave.bvol"))):
+            view = testing.make_view()
+            display = simple.Show(simple.Contour(Input=source, Isosurfaces=[PROPOSED]), view)
+            self.assertEqual((display.SMProxy.GetXMLName(), display.Representation), ("GeometryRepresentation", "Surface"))
+            display = simple.Show(simple.Slice(Input=source), view)
+            self.assertEqual((display.SMProxy.GetXMLName(), display.Representation), ("GeometryRepresentation", "Surface"))
+
+    def test_a_ct_is_shown_in_grey(self):
+        view = testing.make_view()
+        display = simple.Show(simple.OpenDataFile(self.ct), view)
+        simple.Render(view)
+        self.assertEqual((display.Representation, read_map(display)), ("Three Slices", GREY))
+
     def test_slices_of_others_have_the_map_of_their_range(self):
         view = testing.make_view()
         display = simple.Show(simple.VolumeSlice(Input=testing.open_volume("wave.bvol")), view)

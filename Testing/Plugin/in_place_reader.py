@@ -70,7 +70,7 @@ def write_netcdf(path, samples):
         path, samples)
 
 
-def write_dicom(folder, samples):
+def write_dicom(folder, samples, added="Modality = 'CT'"):
     """A slice a file, without extensions."""
     os.makedirs(folder)
     write_with_python(
@@ -85,7 +85,7 @@ def write_dicom(folder, samples):
         "    file.SOPClassUID = meta.MediaStorageSOPClassUID\n"
         "    file.SOPInstanceUID = meta.MediaStorageSOPInstanceUID\n"
         "    file.SeriesInstanceUID = '1.2'\n"
-        "    file.Modality = 'CT'\n"
+        f"    file.{added}\n"
         "    file.ImagePositionPatient = [0, 0, number]\n"
         "    file.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]\n"
         "    file.PixelSpacing = [1, 1]\n"
@@ -294,6 +294,34 @@ class InPlaceReader(testing.TestCase):
                     contour.UpdatePipeline()
                     contour.UpdatePropertyInformation()
                     self.assertEqual(contour.Unit, "HU")
+
+    def test_a_window_of_dicom_is_shown_and_units_are_told(self):
+        window = "WindowCenter, file.WindowWidth, file.Modality = [50, 300], [350, 1500], "
+        usual = [-160, 240]
+        for number, (added, shown, title) in enumerate((
+                ("Modality = 'CT'", usual, "DICOM (HU)"), (window + "'CT'", [-125, 225], "DICOM (HU)"),
+                (window + "'MR'", [-125, 225], "DICOM"), ("WindowCenter, file.Modality = 50, 'CT'", usual, "DICOM (HU)"))):
+            with self.subTest(added=added):
+                write_dicom(testing.output(f"ct{number}"), self.samples, added)
+                reader = self.open(testing.output(f"ct{number}"))
+                view = testing.make_view()
+                ruler = simple.Show(simple.Ruler(), view)
+                for source in (reader, simple.VolumeSlice(Input=reader)):
+                    display = simple.Show(source, view)
+                    display.SetScalarBarVisibility(view, True)
+                    simple.Render(view)
+                    colors = display.LookupTable
+                    self.assertEqual(list(colors.RGBPoints), [shown[0], 0, 0, 0, shown[1], 1, 1, 1])
+                    self.assertEqual(simple.GetScalarBar(colors, view).Title, title)
+                    colors.RGBPoints, colors.AutomaticRescaleRangeMode = [0, 1, 0, 0, 1, 0, 1, 0], 0  # as nobody's
+                self.assertRegex(ruler.LabelFormat, "[^ ] mm$")
+                self.assertEqual(view.AxesGrid.YTitle, "Y Axis (mm)")
+                simple.Hide(reader, view)
+                simple.Hide(source, view)
+                simple.Show(simple.OpenDataFile(testing.volume("wave.bvol")), view)
+                simple.Render(view)
+                self.assertRegex(ruler.LabelFormat, "g}?$")
+                self.assertEqual(view.AxesGrid.YTitle, "Y Axis")
 
     def test_raw_samples_are_described_by_the_name_or_the_property(self):
         size = "x".join(map(str, self.samples.shape[::-1]))
