@@ -152,6 +152,7 @@ void pqIsovaluePropertyWidget::LayOutTissues()
 {
   auto* row = new QHBoxLayout(this->Tissues);
   row->setContentsMargins(0, 0, 0, 0);
+  row->setSpacing(2);
   for (const isosurface::Tissue& tissue : isosurface::Tissues)
   {
     auto* button = new QToolButton(this->Tissues);
@@ -161,13 +162,14 @@ void pqIsovaluePropertyWidget::LayOutTissues()
       tr("The isosurface at %1 HU, or not: usual for this tissue in a CT.").arg(tissue.Isovalue));
     button->setCheckable(true);
     button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed); // no wider than the panel
-    QPixmap color(12, 12);
+    QPixmap color(8, 12);
     color.fill(QColor::fromRgbF(tissue.Color[0], tissue.Color[1], tissue.Color[2]));
     button->setIcon(color);
+    button->setIconSize(color.size());
     button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     QObject::connect(button, &QToolButton::clicked, this,
       [this, isovalue = tissue.Isovalue] { this->ToggleIsovalue(isovalue); });
-    row->addWidget(button);
+    row->addWidget(button, button->sizeHint().width()); // "Muscle" is wider than others
   }
   this->Tissues->setObjectName("Tissues");
   this->Tissues->hide();

@@ -24,8 +24,11 @@ pqOtherArraysDecorator::pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyW
 {
   for (const char* name : { "SelectInputScalars", "ComputeScalars" })
   {
-    pqCoreUtilities::connect(parent->proxy()->GetProperty(name),
-      vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(ExpectChange()));
+    if (vtkSMProperty* property = parent->proxy()->GetProperty(name))
+    {
+      pqCoreUtilities::connect(
+        property, vtkCommand::UncheckedPropertyModifiedEvent, this, SLOT(ExpectChange()));
+    }
   }
   pqCoreUtilities::connect(
     parent->property(), vtkCommand::DomainModifiedEvent, this, SLOT(ExpectChange()));
@@ -34,6 +37,12 @@ pqOtherArraysDecorator::pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyW
 
 //------------------------------------------------------------------------------
 pqOtherArraysDecorator::~pqOtherArraysDecorator() = default;
+
+//------------------------------------------------------------------------------
+bool pqOtherArraysDecorator::canShowWidget(bool showAdvanced) const
+{
+  return !this->IsEmpty && this->Superclass::canShowWidget(showAdvanced);
+}
 
 //------------------------------------------------------------------------------
 void pqOtherArraysDecorator::ExpectChange()
@@ -46,12 +55,13 @@ void pqOtherArraysDecorator::ExpectChange()
 void pqOtherArraysDecorator::HideContoured()
 {
   vtkSMProxy* proxy = this->parentWidget()->proxy();
-  vtkSMUncheckedPropertyHelper choice(proxy, "SelectInputScalars");
+  vtkSMUncheckedPropertyHelper choice(proxy, "SelectInputScalars", true);
   const char* contoured = choice.GetNumberOfElements() > ArrayNameElement
     ? choice.GetAsString(ArrayNameElement)
     : nullptr;
-  const bool taken = vtkSMUncheckedPropertyHelper(proxy, "ComputeScalars").GetAsInt() != 0;
+  const bool taken = vtkSMUncheckedPropertyHelper(proxy, "ComputeScalars", true).GetAsInt() != 0;
   QString hiddenArray;
+  bool isEmpty = true;
   for (QTreeView* list : this->parentWidget()->findChildren<QTreeView*>())
   {
     const QAbstractItemModel* model = list->model();
@@ -61,7 +71,10 @@ void pqOtherArraysDecorator::HideContoured()
       const bool hidden = taken && name == contoured;
       list->setRowHidden(row, QModelIndex(), hidden);
       hiddenArray = hidden ? name : hiddenArray;
+      isEmpty = isEmpty && hidden;
     }
   }
   this->parentWidget()->setProperty("hiddenArray", hiddenArray);
+  this->IsEmpty = isEmpty;
+  Q_EMIT this->visibilityChanged();
 }

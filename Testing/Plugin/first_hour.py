@@ -120,10 +120,23 @@ class FirstHour(unittest.TestCase):
         return window, sorted(sum(names, []))
 
     def contour(self, window):
+        self.check_width(window)
         window.apply()
+        # More than the lines of a box.
+        window.wait("remember_view()", lambda share: share > 0.1)
+        window.wait("find('PointArrayStatus')")
         window.choose("Filters", "Scalable Isosurface", "Isosurface")
+        self.check_width(window)
         window.apply()
         window.see()
+
+    def check_width(self, window):
+        """A panel before Apply, which has our widgets alone, does not scroll sideways. (Behind it, ParaView's own
+        editor of colors is wider than the dock, for whatever source.)"""
+        window.wait("find('Accept')", lambda found: found and found[0]["enabled"])
+        bars = window.look("find('', 'QScrollBar')")
+        self.assertTrue(bars)
+        self.assertEqual([bar for bar in bars if bar["size"][0] > bar["size"][1]], [])
 
     def measure(self, window):
         """A ruler in the view."""
@@ -168,6 +181,7 @@ class FirstHour(unittest.TestCase):
 
     def test_dialog_lists_what_stock_lists_and_ours(self):
         os.makedirs(self.path("data/folder"))
+        os.makedirs(self.path("data/.volume.bvol.stores"))
         for name in LISTED_BY_STOCK + LISTED_BY_US + LISTED_BY_NOBODY:
             open(self.path("data/" + name), "w").close()
         window, stock = self.list_files(self.path("data"), plugin=False)
@@ -196,6 +210,8 @@ class FirstHour(unittest.TestCase):
         window.pick("Files", "ct")
         window.press("OK")
         window.wait("dialog() == ''")
+        self.check_width(window)
+        self.assertEqual(window.look("find('PointArrayStatus')"), [])  # before Apply there is none
         self.contour(window)
         self.measure(window)
         window.select("ct")
