@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ContourBlocks.h"
 
-#include "ChosenScalars.h"
 #include "ContourExecution.h"
 #include "ErrorReport.h"
-#include "ImagePieces.h"
 
 #include "vtkAlgorithm.h"
 
-#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/ChosenScalars.h"
 #include "Ranks/Query/LevelChoice.h"
+#include "Ranks/Query/MemoryContour.h"
 #include "Ranks/Sharing/StoreRecovery.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/StoredBlockSource.h"
@@ -27,47 +26,18 @@ namespace
 
 constexpr const char* NotCollected = "the blocks of the isosurface cannot be collected";
 
-// The images of a rank, and what is contoured and interpolated of them.
-struct KeptPieces
+// What the blocks of images refer to.
+struct KeptSamples
 {
-  ImagePieces Pieces;
+  MemoryQuery Query;
   std::vector<ChosenScalars> Scalars;
-  std::vector<PieceAttributes> Attributes;
-
-  Status FindArrays(const ImageContour::Settings& settings);
-  std::vector<GridPiece> GetGridPieces() const;
 };
 
-Status KeptPieces::FindArrays(const ImageContour::Settings& settings)
-{
-  for (const ImagePiece& piece : this->Pieces.Pieces)
-  {
-    ISOSURFACE_ASSIGN_OR_RETURN(auto attributes,
-      FindAttributes(piece, settings.Arrays, *settings.Averages, settings.Threads));
-    this->Attributes.push_back(std::move(attributes));
-    const auto components = static_cast<int>(piece.Samples.Components.size());
-    this->Scalars.emplace_back(
-      piece.Samples, *FindChosenComponent(components, settings.Component), settings.Threads);
-  }
-  return Status::Ok();
-}
-
-std::vector<GridPiece> KeptPieces::GetGridPieces() const
-{
-  std::vector<GridPiece> pieces;
-  for (std::size_t n = 0; n < this->Pieces.Pieces.size(); ++n)
-  {
-    pieces.push_back(
-      { this->Scalars[n].GetView(this->Pieces.Pieces[n].Samples), this->Attributes[n].Views });
-  }
-  return pieces;
-}
-
 // What a consumer of blocks could not tell from the samples.
-Status CheckVisible(const std::vector<ImagePiece>& pieces)
+Status CheckVisible(const std::vector<MemoryPiece>& pieces)
 {
-  const bool hides = std::any_of(pieces.begin(), pieces.end(),
-    [](const ImagePiece& piece) { return !piece.Samples.Hidden.IsEmpty(); });
+  const bool hides = std::any_of(
+    pieces.begin(), pieces.end(), [](const MemoryPiece& piece) { return !piece.Hidden.IsEmpty(); });
   return hides ? Status(StatusCode::InvalidArgument,
                    "the input hides cells or points (vtkGhostType), which edge-index records "
                    "cannot tell: save or draw the surface of Isosurface itself")
@@ -82,10 +52,10 @@ Status MakeLinesError(const std::string& what)
       "Contour itself" };
 }
 
-Status CheckGrids(const ImagePieces& pieces)
+Status CheckGrids(const MemoryGrids& samples)
 {
-  const std::vector<GridGeometry>& grids = pieces.Grids;
-  if (std::any_of(pieces.Lines.begin(), pieces.Lines.end(),
+  const std::vector<GridGeometry>& grids = samples.Grids;
+  if (std::any_of(samples.Lines.begin(), samples.Lines.end(),
         [](const std::optional<GridLines>& lines) { return lines.has_value(); }))
   {
     return MakeLinesError("the input has rectilinear grids");
@@ -175,31 +145,35 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const S
   return Status::Ok();
 }
 
-Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
-  const ImageContour::Settings& settings, ContourBlocks& blocks)
+Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks& blocks)
 {
-  auto kept = std::make_shared<KeptPieces>();
-  kept->Pieces = std::move(pieces);
+  auto kept = std::make_shared<KeptSamples>();
+  kept->Query = std::move(query);
+  const MemoryGrids& samples = kept->Query.Samples;
+  const int threads = kept->Query.Threads;
   PieceBlockSelection selection;
-  std::vector<GridPiece> gridPieces;
+  std::vector<GridPiece> pieces;
   const auto find = [&]() -> Status
   {
-    ISOSURFACE_RETURN_IF_ERROR(kept->FindArrays(settings));
-    ISOSURFACE_RETURN_IF_ERROR(CheckVisible(kept->Pieces.Pieces));
-    ISOSURFACE_RETURN_IF_ERROR(CheckGrids(kept->Pieces));
+    ISOSURFACE_RETURN_IF_ERROR(CheckVisible(samples.Pieces));
+    ISOSURFACE_RETURN_IF_ERROR(CheckGrids(samples));
     selection.Isovalues = blocks.Isovalues;
-    selection.Region = settings.Region;
+    selection.Region = kept->Query.Region;
     selection.ClosedSides = blocks.ClosedSides;
-    gridPieces = kept->GetGridPieces();
+    kept->Scalars.reserve(samples.Pieces.size());
+    for (const MemoryPiece& piece : samples.Pieces)
+    {
+      kept->Scalars.emplace_back(piece.Components, kept->Query.Component, threads);
+      pieces.push_back({ kept->Scalars.back().GetView(piece.Components), piece.Attributes });
+    }
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCollected, find));
   // Larger blocks have fewer shared faces; but a region takes blocks whole, those of the filter.
-  selection.BlockSize = settings.Region.IsEverything() ? 64 : BlockRanges::BlockSize;
+  selection.BlockSize = selection.Region.IsEverything() ? 64 : BlockRanges::BlockSize;
   selection.WithLayer = blocks.Normals;
-  blocks.Grid = kept->Pieces.Grids.front();
-  auto source =
-    PieceBlockSource::Make(ranks, blocks.Grid, std::move(gridPieces), selection, settings.Threads);
+  blocks.Grid = samples.Grids.front();
+  auto source = PieceBlockSource::Make(ranks, blocks.Grid, std::move(pieces), selection, threads);
   if (!source.IsOk())
   {
     return Explain(source.GetStatus());
@@ -210,10 +184,6 @@ Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
     blocks.FiniteRange = (*source)->GetFiniteRange();
     blocks.Source = std::move(*source);
     blocks.HasSamples = !kept->Scalars.empty();
-    if (blocks.HasSamples)
-    {
-      blocks.Arrays = kept->Attributes.back().Arrays;
-    }
     blocks.BlockSize = selection.BlockSize;
     blocks.Origin = "image data";
     blocks.Owner = std::move(kept);

@@ -2,7 +2,6 @@
 #ifndef isosurface_ContourBlocks_h
 #define isosurface_ContourBlocks_h
 
-#include "ImageContour.h"
 #include "IsosurfaceFiltersModule.h"
 
 #include "Ground/Base/Communicator.h"
@@ -29,7 +28,7 @@ namespace isosurface
 {
 
 class BlockedVolume;
-struct ImagePieces;
+struct MemoryQuery;
 struct SurfaceQuery;
 
 /**
@@ -98,9 +97,9 @@ ISOSURFACEFILTERS_EXPORT Status RunWithContourBlocks(
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
   int level, ContourBlocks& blocks);
 
-/// The same of images that all ranks have pieces of; fills in Arrays, too. Collective.
-Status CollectImageBlocks(Communicator& ranks, ImagePieces pieces,
-  const ImageContour::Settings& settings, ContourBlocks& blocks);
+/// The same of grids of which all ranks have pieces; Arrays are those of the pieces' attributes.
+/// Collective.
+Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks& blocks);
 
 } // namespace isosurface
 

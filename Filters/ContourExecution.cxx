@@ -63,8 +63,7 @@ PointPrecision ToPointPrecision(int precision)
 
 ContourExecution::ContourExecution(vtkStabbingContour& contour)
   : Contour(contour)
-  , OfImages(contour)
-  , OfVolumes([this] { return this->FindFreeMemory(); })
+  , Surfaces([this] { return this->FindFreeMemory(); })
 {
 }
 
@@ -389,71 +388,115 @@ void ContourExecution::WarnOfLackOfMemory(const ExtractionTask& task, int level)
   }
 }
 
+RefinementRequest ContourExecution::MakeRefinementRequest()
+{
+  RefinementRequest wanted;
+  wanted.MayBeCoarse = this->CoarseAllowed;
+  wanted.FindsIslands = this->Contour.FindsIslands();
+  wanted.Change = this->Contour.GetMTime();
+  return wanted;
+}
+
 Status ContourExecution::ExtractOnce(
   ExtractionTask task, const std::string& sampled, ContourOutcome& outcome)
 {
   ControllerCommunicator ranks = this->GetRanks();
-  RefinementRequest wanted;
-  wanted.Level = this->Contour.GetLevel();
-  wanted.Budget = { this->Contour.GetTimeBudget(),
+  const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
     static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) };
+  RefinementRequest wanted = this->MakeRefinementRequest();
+  wanted.Level = this->Contour.GetLevel();
   wanted.IsProgressive = this->Contour.GetProgressive() != 0;
-  wanted.MayBeCoarse = this->CoarseAllowed;
-  wanted.FindsIslands = this->Contour.FindsIslands();
-  wanted.Change = this->Contour.GetMTime();
-  this->OfImages.Forget();
-  ISOSURFACE_ASSIGN_OR_RETURN(
-    const auto choice, this->OfVolumes.Begin(ranks, task, sampled, wanted));
+  this->InMemory.Release();
+  this->Stored.Ask(task, budget, sampled);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto choice, this->Surfaces.Begin(ranks, this->Stored, wanted));
   outcome.MayStay = choice.MayStay;
   outcome.Stays = choice.Stays;
   outcome.Cost.Level = choice.Level;
   Status status;
   if (!outcome.Stays)
   {
-    if (!wanted.Budget.IsLimited())
+    if (!budget.IsLimited())
     {
       this->WarnOfLackOfMemory(task, choice.Level);
     }
-    status = this->OfVolumes.Extract(ranks, task, outcome);
+    status = this->Surfaces.Extract(ranks, outcome);
   }
-  outcome.Final = this->OfVolumes.IsFinal();
+  outcome.Final = this->Surfaces.IsFinal();
   return status;
 }
 
 Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome)
 {
   ControllerCommunicator ranks = this->GetRanks();
-  const int threads = this->ChooseThreads();
-  ISOSURFACE_ASSIGN_OR_RETURN(auto pieces, this->CollectPieces(ranks, inInfo, outcome.ArrayName));
-  ISOSURFACE_ASSIGN_OR_RETURN(auto query,
-    ImageContour::Query::Make(ranks, std::move(pieces),
-      { this->Contour.GetComponent(), this->ChooseInterpolatedArrays(outcome.ArrayName),
-        this->MakeRegion(), threads, &this->Averages },
-      this->MakeRequest()));
+  ImagePieces pieces;
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto query, this->CollectImages(ranks, inInfo, true, pieces, outcome));
   this->Averages.DropUnused();
-  this->OfVolumes.Forget();
-  Status status = this->OfImages.Extract(ranks, std::move(query), this->CoarseAllowed, outcome);
-  status = this->ChooseIslands(
-    ranks, status, [&] { return this->OfImages.MakeIslandGrids(ranks); }, outcome);
-  this->OfImages.End();
+  this->InMemory.Ask(std::move(query), isosurface::MakeProgress(this->Contour));
+  const auto choice = this->Surfaces.Begin(ranks, this->InMemory, this->MakeRefinementRequest());
+  Status status = choice.GetStatus();
+  if (status.IsOk()) // on all ranks
+  {
+    status = this->ChooseIslands(
+      ranks, this->Surfaces.Extract(ranks, outcome),
+      [&] { return this->InMemory.MakeQuery(choice->Level).MakeIslandGrids(ranks); }, outcome);
+  }
+  if (status.IsOk() && pieces.BlockNames.size() > 1)
+  {
+    status = Attempt(NotExtracted,
+      [&]
+      {
+        outcome.Blocks = { this->InMemory.MakeQuery(choice->Level).FindFirstIds(), pieces.Blocks,
+          pieces.BlockNames };
+        return Status::Ok();
+      });
+  }
+  outcome.Final = this->Surfaces.IsFinal();
+  if (outcome.Final || !status.IsOk())
+  {
+    this->InMemory.Release();
+  }
   return status;
 }
 
-Result<ImagePieces> ContourExecution::CollectPieces(
-  Communicator& ranks, vtkInformation* inInfo, std::string& arrayName)
+Result<MemoryQuery> ContourExecution::CollectImages(Communicator& ranks, vtkInformation* inInfo,
+  bool interpolates, ImagePieces& pieces, ContourOutcome& outcome)
 {
-  const int threads = this->ChooseThreads();
+  MemoryQuery query;
+  query.Component = this->Contour.GetComponent();
+  query.Threads = this->ChooseThreads();
   const auto choose = [&](vtkImageData* image, int& association)
   {
     vtkDataArray* array = this->Contour.GetInputArrayToProcess(0, image, association);
     if (array && array->GetName())
     {
-      arrayName = array->GetName();
+      outcome.ArrayName = array->GetName();
     }
     return array;
   };
-  return CollectContouredPieces(ranks, inInfo, choose, this->GetArrayToContour(),
-    this->Contour.GetComponent(), this->Averages, threads);
+  ISOSURFACE_ASSIGN_OR_RETURN(pieces,
+    CollectContouredPieces(ranks, inInfo, choose, this->GetArrayToContour(), query.Component,
+      this->Averages, query.Threads));
+  const auto add = [&]() -> Status
+  {
+    if (interpolates)
+    {
+      ISOSURFACE_ASSIGN_OR_RETURN(outcome.Arrays,
+        AddAttributes(pieces, this->ChooseInterpolatedArrays(outcome.ArrayName), this->Averages,
+          query.Threads));
+    }
+    query.Samples = pieces;
+    query.Region = this->MakeRegion();
+    query.Request = this->MakeRequest();
+    for (const InterpolatedArray& array : outcome.Arrays)
+    {
+      query.Request.Attributes.push_back(array.Layout);
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(
+    AttemptOnAll(ranks, "the images of the input cannot be contoured", add));
+  return query;
 }
 
 //------------------------------------------------------------------------------
@@ -461,26 +504,13 @@ Result<ImagePieces> ContourExecution::CollectPieces(
 
 bool ContourExecution::Refine()
 {
-  return this->OfImages.Refine() || this->OfVolumes.Refine(this->Contour.GetMTime());
-}
-
-void ContourExecution::SetShown(bool shown, std::size_t triangles)
-{
-  this->OfImages.SetShown(shown, triangles);
-  this->OfVolumes.SetShown(shown, triangles);
+  return this->Surfaces.Refine(this->Contour.GetMTime());
 }
 
 Refinement ContourExecution::PrepareRefinement(double seconds)
 {
   ControllerCommunicator ranks = this->GetRanks();
-  const Refinement next = this->OfVolumes.Prepare(ranks, seconds, this->Contour.GetMTime());
-  return next.Stage == RefinementStage::None ? this->OfImages.Prepare(ranks, seconds) : next;
-}
-
-void ContourExecution::DropRefinement()
-{
-  this->OfVolumes.DropPrepared();
-  this->OfImages.Drop();
+  return this->Surfaces.Prepare(ranks, seconds, this->Contour.GetMTime());
 }
 
 std::uint64_t ContourExecution::FindFreeMemory()
@@ -520,7 +550,7 @@ Status ContourExecution::CollectBlocks(
   ContourOutcome outcome;
   ISOSURFACE_RETURN_IF_ERROR(this->AgreeOnQuery(input, ranks, query, outcome, &blocks));
   return input ? this->CollectBlocksOfVolume(ranks, input, std::move(query), outcome, blocks)
-               : this->CollectBlocksOfImages(ranks, inInfo, blocks);
+               : this->CollectBlocksOfImages(ranks, inInfo, outcome, blocks);
 }
 
 Status ContourExecution::UpdateInput(int piece, int pieces, const std::optional<double>& time)
@@ -567,11 +597,11 @@ Status ContourExecution::CollectBlocksOfVolume(Communicator& ranks, const Volume
     if (this->Contour.GetMaximumTriangles() > 0)
     {
       QueryStatistics statistics;
-      ISOSURFACE_ASSIGN_OR_RETURN(const auto choice,
-        ChooseLevel(*volume, query, level,
-          { 0, static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) },
-          this->OfVolumes.GetRate(), ranks, statistics));
-      level = choice.Level;
+      const auto choice = ChooseLevel(*volume, query, level,
+        { 0, static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()) },
+        this->Stored.GetRate(), ranks, statistics);
+      ISOSURFACE_RETURN_IF_ERROR(choice.GetStatus());
+      level = choice->Level;
     }
     return AttemptOnAll(
       ranks, NotExtracted, [&] { return CollectVolumeBlocks(volume, query, level, blocks); });
@@ -583,26 +613,19 @@ Status ContourExecution::CollectBlocksOfVolume(Communicator& ranks, const Volume
 }
 
 Status ContourExecution::CollectBlocksOfImages(
-  Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks)
+  Communicator& ranks, vtkInformation* inInfo, ContourOutcome& outcome, ContourBlocks& blocks)
 {
-  const int threads = this->ChooseThreads();
-  auto collected = this->CollectPieces(ranks, inInfo, blocks.ArrayName);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(collected.GetStatus()));
+  ImagePieces pieces;
+  auto query = this->CollectImages(ranks, inInfo, blocks.Attributes, pieces, outcome);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(query.GetStatus()));
   vtkInformation* data = vtkDataObject::GetData(inInfo)->GetInformation();
   if (data->Has(vtkDataObject::DATA_TIME_STEP()))
   {
     blocks.Time = data->Get(vtkDataObject::DATA_TIME_STEP());
   }
-  ImageContour::Settings settings;
-  settings.Component = this->Contour.GetComponent();
-  settings.Region = this->MakeRegion();
-  settings.Threads = threads;
-  settings.Averages = &this->Averages;
-  if (blocks.Attributes)
-  {
-    settings.Arrays = this->ChooseInterpolatedArrays(blocks.ArrayName);
-  }
-  return CollectImageBlocks(ranks, std::move(*collected), settings, blocks);
+  blocks.ArrayName = outcome.ArrayName;
+  blocks.Arrays = outcome.Arrays;
+  return CollectImageBlocks(ranks, std::move(*query), blocks);
 }
 
 } // namespace isosurface

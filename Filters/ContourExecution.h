@@ -5,14 +5,17 @@
 #include "CellArrays.h"
 #include "ControllerCommunicator.h"
 #include "ImagePieces.h"
-#include "ImageRefinement.h"
+#include "SurfaceFieldData.h"
 #include "VolumeInput.h"
 
 #include "vtkType.h"
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/Region.h"
-#include "Ranks/Query/VolumeRefinement.h"
+#include "Ranks/Islands/IslandChoice.h"
+#include "Ranks/Query/MemoryField.h"
+#include "Ranks/Query/StoredField.h"
+#include "Ranks/Query/SurfaceRefinement.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "SurfacePolyData.h"
 
@@ -31,6 +34,20 @@ namespace isosurface
 {
 
 struct ContourBlocks;
+
+/// Of one execution, on this rank.
+struct ContourOutcome : ExtractionOutcome
+{
+  std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
+  std::string ArrayName;                 ///< of the contoured array
+  SurfaceBlocks Blocks; ///< of the input, if it has several with surfaces of their own
+  bool Final = true;    ///< whether a progressive surface is at its last level
+  bool MayStay = false; ///< whether the next execution may have it stay
+  bool Stays = false;   ///< whether nothing was extracted, and the last surface stays
+  std::size_t ExtractedTriangles = 0;   ///< before islands were left out
+  std::optional<ChosenIslands> Islands; ///< if they were asked for
+  double IslandSeconds = 0;             ///< wall clock of finding and choosing them
+};
 
 /// What an error of a shortage of memory says.
 constexpr const char* NotExtracted = "the isosurface cannot be extracted";
@@ -56,13 +73,9 @@ public:
   /// Makes the next execution one of a finer level; false if the surface is final.
   bool Refine();
   /// Tells that the filter was modified by Refine alone.
-  void KeepPass(vtkMTimeType time)
-  {
-    this->OfVolumes.KeepChange(time);
-    this->OfImages.KeepPass(time);
-  }
+  void KeepPass(vtkMTimeType time) { this->Surfaces.KeepChange(time); }
   /// Tells whether the surface of the level was extracted, and the triangles of this rank's part.
-  void SetShown(bool shown, std::size_t triangles);
+  void SetShown(bool shown, std::size_t triangles) { this->Surfaces.SetShown(shown, triangles); }
   /// Whether surfaces after a change may be coarse though the filter is not progressive.
   void AllowCoarse(bool allowed) { this->CoarseAllowed = allowed; }
 
@@ -70,11 +83,11 @@ public:
   /// seconds meanwhile. Returns how far it is. Collective.
   Refinement PrepareRefinement(double seconds);
   /// Forgets what was prepared.
-  void DropRefinement();
+  void DropRefinement() { this->Surfaces.DropPrepared(); }
   /// Stops what reads images beside the calling thread: what is before the filter may execute.
-  void ReleaseImages() { this->OfImages.DropUnfinished(); }
+  void ReleaseImages() { this->InMemory.DropUnfinished(); }
   /// Lets surfaces of the current volume and isovalues be larger than the memory.
-  void AcceptSize() { this->OfVolumes.AcceptSize(); }
+  void AcceptSize() { this->Surfaces.AcceptSize(); }
 
   ControllerCommunicator GetRanks();
   int ChooseThreads(); ///< collective at the first call
@@ -102,25 +115,29 @@ private:
   /// The bytes of memory that this rank can still have; 0 if that is not known.
   std::uint64_t FindFreeMemory();
   void WarnOfLackOfMemory(const ExtractionTask& task, int level);
+  RefinementRequest MakeRefinementRequest();
   Status ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome);
   /// Leaves out the islands that are not wanted, if any are wanted, of what ended with `extracted`
   /// on this rank. `makeGrids` gives the grids of the surface. Collective.
   Status ChooseIslands(Communicator& ranks, const Status& extracted,
     const std::function<IslandGrids()>& makeGrids, ContourOutcome& outcome);
-  /// The images of all ranks that are to be contoured. Collective.
-  Result<ImagePieces> CollectPieces(
-    Communicator& ranks, vtkInformation* inInfo, std::string& arrayName);
+  /// The images of all ranks that are to be contoured, and what is asked of them; they live with
+  /// `pieces`. `interpolates`: whether other arrays are wanted. Collective.
+  Result<MemoryQuery> CollectImages(Communicator& ranks, vtkInformation* inInfo, bool interpolates,
+    ImagePieces& pieces, ContourOutcome& outcome);
 
   /// This rank alone knows its outcome.
   Status UpdateInput(int piece, int pieces, const std::optional<double>& time);
   Status CollectBlocksOfVolume(Communicator& ranks, const VolumeInput& input, SurfaceQuery query,
     ContourOutcome& outcome, ContourBlocks& blocks);
-  Status CollectBlocksOfImages(Communicator& ranks, vtkInformation* inInfo, ContourBlocks& blocks);
+  Status CollectBlocksOfImages(
+    Communicator& ranks, vtkInformation* inInfo, ContourOutcome& outcome, ContourBlocks& blocks);
 
   vtkStabbingContour& Contour;
   CellAverages Averages;
-  ImageRefinement OfImages;
-  VolumeRefinement OfVolumes;
+  StoredField Stored;
+  MemoryField InMemory;
+  SurfaceRefinement Surfaces;
   bool CoarseAllowed = false;
   int RanksOnNode = 0; ///< 0: not known yet
 };

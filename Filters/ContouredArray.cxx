@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ContouredArray.h"
 
-#include "ChosenScalars.h"
-
 #include "vtkCellData.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
@@ -12,6 +10,8 @@
 #include "vtkInformation.h"
 
 #include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/ChosenScalars.h"
+#include "ImageSamples.h"
 
 #include <cstring>
 

@@ -22,11 +22,15 @@
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/GridUnion.h"
+#include "ImageSamples.h"
 #include "Surface/Pieces/PieceFields.h"
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -234,9 +238,14 @@ Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
     const std::size_t grid =
       leaf.Lines ? images.size() + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid);
     ISOSURFACE_ASSIGN_OR_RETURN(
-      ImageSamples samples, MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array));
-    pieces.Pieces.push_back(
-      { leaf.Image, leaf.Owner, std::move(samples), grid, FindImageTime(inputInfo, leaf.Image) });
+      auto samples, MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array));
+    const vtkMTimeType time = FindImageTime(inputInfo, leaf.Image);
+    Fingerprint identity;
+    identity.AddNumber(reinterpret_cast<std::uintptr_t>(samples.Array.Get()));
+    identity.AddNumber(std::max(time, samples.Array->GetMTime()));
+    pieces.Sources.push_back({ leaf.Image, leaf.Owner, time });
+    pieces.Pieces.push_back({ grid, std::move(samples.Components), samples.Hidden, {},
+      identity.Get(), std::make_shared<vtkSmartPointer<vtkDataArray>>(samples.Array) });
   }
   return Status::Ok();
 }
@@ -247,27 +256,27 @@ std::vector<FieldPiece> DescribeFieldPieces(
   std::vector<FieldPiece> described;
   for (std::size_t number = 0; number < leaves.size(); ++number)
   {
-    const ImagePiece& piece = pieces.Pieces[number];
+    const MemoryPiece& piece = pieces.Pieces[number];
     int extent[6];
     std::copy_n(leaves[number].Grid.Extent.begin(), 6, extent);
-    described.push_back({ piece.Grid, piece.Samples.Components, leaves[number].Block,
+    described.push_back({ piece.Grid, piece.Components, leaves[number].Block,
       MakeVertexBox(pieces.Grids[piece.Grid], extent), leaves[number].IsDeclared,
-      !piece.Samples.Hidden.IsEmpty() });
+      !piece.Hidden.IsEmpty() });
   }
   return described;
 }
 
-// The samples, or those of a box alone, in a grid that begins at a vertex of theirs.
-ImageSamples MoveSamples(ImageSamples samples, const VertexBox& box, const Index3& first)
+// The samples of a box of a piece, in a grid that begins at a vertex of theirs.
+MemoryPiece MovePiece(MemoryPiece piece, const VertexBox& box, const Index3& first)
 {
   const Index3 offset = { -first[0], -first[1], -first[2] };
-  for (SampleView& view : samples.Components)
+  for (SampleView& view : piece.Components)
   {
     view.Available = view.Available.Translate(offset);
     view.Box = box.Translate(offset);
   }
-  samples.Hidden.Box = samples.Hidden.Box.Translate(offset);
-  return samples;
+  piece.Hidden.Box = piece.Hidden.Box.Translate(offset);
+  return piece;
 }
 
 // Gives each field a grid of its own.
@@ -304,21 +313,59 @@ ImagePieces SortByFields(vtkDataObject* input, const ImagePieces& united, const 
   {
     for (const VertexBox& box : fields.Boxes[number])
     {
-      ImagePiece piece = united.Pieces[number];
-      piece.Grid = fields.Numbers[number];
-      piece.Samples = MoveSamples(std::move(piece.Samples), box, fields.Fields[piece.Grid].Box.Low);
-      sorted.Pieces.push_back(std::move(piece));
+      const std::size_t field = fields.Numbers[number];
+      sorted.Pieces.push_back(MovePiece(united.Pieces[number], box, fields.Fields[field].Box.Low));
+      sorted.Pieces.back().Grid = field;
+      sorted.Sources.push_back(united.Sources[number]);
     }
   }
   return sorted;
 }
 
-} // namespace
-
-vtkMTimeType ImagePiece::GetTime() const
+// Gives a piece the arrays of these names to interpolate.
+Result<std::vector<InterpolatedArray>> AddAttributesTo(MemoryPiece& piece,
+  const ImagePieces::Source& source, const std::vector<std::string>& names, CellAverages& averages,
+  int threads)
 {
-  return std::max(this->ImageTime, this->Samples.Array->GetMTime());
+  using Owners = std::pair<std::shared_ptr<const void>, std::vector<vtkSmartPointer<vtkDataArray>>>;
+  const auto owners = std::make_shared<Owners>();
+  owners->first = std::exchange(piece.Owner, owners);
+  std::vector<InterpolatedArray> arrays;
+  for (const std::string& name : names)
+  {
+    vtkDataArray* array = source.Image->GetPointData()->GetArray(name.c_str());
+    vtkDataArray* cells = source.Image->GetCellData()->GetArray(name.c_str());
+    if (!array && cells)
+    {
+      ISOSURFACE_ASSIGN_OR_RETURN(array, averages.Find(source.Image, source.Time, cells, threads));
+    }
+    if (!array || array->GetNumberOfTuples() != source.Image->GetNumberOfPoints())
+    {
+      return Status(StatusCode::NotFound,
+        "the input has no numeric point array or cell array \"" + name +
+          "\" to interpolate everywhere");
+    }
+    ISOSURFACE_ASSIGN_OR_RETURN(const ValueType type, GetValueTypeOf(array));
+    owners->second.push_back(MakePlainArray(array));
+    InterpolatedArray description{ name, {}, { type, array->GetNumberOfComponents() } };
+    for (int n = 0; array->HasAComponentName() && n < array->GetNumberOfComponents(); ++n)
+    {
+      const char* componentName = array->GetComponentName(n);
+      description.ComponentNames.emplace_back(componentName ? componentName : "");
+    }
+    const SampleView& scalars = piece.Components.front();
+    AttributeView view{ MakeComponentViews(owners->second.back(), type, scalars.Available) };
+    for (SampleView& component : view.Components)
+    {
+      component.Box = scalars.Box;
+    }
+    arrays.push_back(std::move(description));
+    piece.Attributes.push_back(std::move(view));
+  }
+  return arrays;
 }
+
+} // namespace
 
 vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
 {
@@ -389,43 +436,25 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   return pieces;
 }
 
-Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
-  const std::vector<std::string>& names, CellAverages& averages, int threads)
+Result<std::vector<InterpolatedArray>> AddAttributes(
+  ImagePieces& pieces, const std::vector<std::string>& names, CellAverages& averages, int threads)
 {
-  PieceAttributes attributes;
-  for (const std::string& name : names)
+  std::vector<InterpolatedArray> all;
+  for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
   {
-    vtkDataArray* array = piece.Image->GetPointData()->GetArray(name.c_str());
-    vtkDataArray* cells = piece.Image->GetCellData()->GetArray(name.c_str());
-    if (!array && cells)
+    ISOSURFACE_ASSIGN_OR_RETURN(auto arrays,
+      AddAttributesTo(pieces.Pieces[number], pieces.Sources[number], names, averages, threads));
+    if (number == 0)
     {
-      ISOSURFACE_ASSIGN_OR_RETURN(
-        array, averages.Find(piece.Image, piece.ImageTime, cells, threads));
+      all = std::move(arrays);
     }
-    if (!array || array->GetNumberOfTuples() != piece.Image->GetNumberOfPoints())
+    else if (arrays != all)
     {
-      return Status(StatusCode::NotFound,
-        "the input has no numeric point array or cell array \"" + name +
-          "\" to interpolate everywhere");
+      return Status(StatusCode::InvalidArgument,
+        "the arrays to interpolate are not of the same types in all images of the input");
     }
-    ISOSURFACE_ASSIGN_OR_RETURN(const ValueType type, GetValueTypeOf(array));
-    attributes.Owners.push_back(MakePlainArray(array));
-    InterpolatedArray description{ name, {}, { type, array->GetNumberOfComponents() } };
-    for (int n = 0; array->HasAComponentName() && n < array->GetNumberOfComponents(); ++n)
-    {
-      const char* componentName = array->GetComponentName(n);
-      description.ComponentNames.emplace_back(componentName ? componentName : "");
-    }
-    const SampleView& scalars = piece.Samples.Components.front();
-    AttributeView view{ MakeComponentViews(attributes.Owners.back(), type, scalars.Available) };
-    for (SampleView& component : view.Components)
-    {
-      component.Box = scalars.Box;
-    }
-    attributes.Arrays.push_back(std::move(description));
-    attributes.Views.push_back(std::move(view));
   }
-  return attributes;
+  return all;
 }
 
 } // namespace isosurface

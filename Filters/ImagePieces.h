@@ -8,15 +8,11 @@
 #include "CellArrays.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/BlockSource.h"
-#include "Ground/Volume/GridGeometry.h"
-#include "Ground/Volume/GridLines.h"
-#include "ImageSamples.h"
+#include "Surface/Pieces/MemoryGrids.h"
 #include "SurfacePolyData.h"
 
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,19 +23,6 @@ class vtkInformation;
 
 namespace isosurface
 {
-
-/// The samples of one image of a rank, in the coordinates of the grid it is a piece of.
-struct ImagePiece
-{
-  vtkImageData* Image = nullptr;
-  vtkSmartPointer<vtkImageData> Owner; ///< of an image that stands for a rectilinear grid
-  ImageSamples Samples;
-  std::size_t Grid = 0;       ///< into ImagePieces::Grids
-  vtkMTimeType ImageTime = 0; ///< see FindImageTime
-
-  /// When the image or the array was last modified.
-  vtkMTimeType GetTime() const;
-};
 
 /// When an image, or the one that stands for a rectilinear grid, was last modified. Filters that hand
 /// samples on unchanged (FindPassedArrays) make a copy that shares them, which may be a new one each
@@ -52,13 +35,17 @@ vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image);
  * (PieceFields), as the members of an ensemble, have grids of their own. The extent of a grid also
  * covers the volume that the images are blocks of (FindWholeExtent).
  */
-struct ImagePieces
+struct ImagePieces : MemoryGrids
 {
-  std::vector<GridGeometry> Grids; ///< equal on all ranks
-  /// Of the grids, one for each; empty for images.
-  std::vector<std::optional<GridLines>> Lines;
+  /// Of one of the pieces; several are of one image, if others have some of it.
+  struct Source
+  {
+    vtkImageData* Image = nullptr;
+    vtkSmartPointer<vtkImageData> Owner; ///< of an image that stands for a rectilinear grid
+    vtkMTimeType Time = 0;               ///< see FindImageTime
+  };
+  std::vector<Source> Sources;
   std::vector<std::size_t> Blocks; ///< of the grids, into BlockNames: the block of the first piece
-  std::vector<ImagePiece> Pieces;  ///< this rank's; several of one image, if others have some of it
   /// Of all blocks of a composite with images, "" without a name; the same on all ranks that have
   /// the blocks.
   std::vector<std::string> BlockNames;
@@ -76,19 +63,12 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray,
   int threads);
 
-/// The arrays of these names on all vertices of a piece's image, to interpolate.
-struct PieceAttributes
-{
-  std::vector<InterpolatedArray> Arrays;
-  std::vector<AttributeView> Views;
-  std::vector<vtkSmartPointer<vtkDataArray>> Owners; ///< keep the samples alive
-};
-
-/// Point arrays, and averages of cell arrays where there is no point array of the name. Errors:
-/// NotFound for an image without one of the arrays; Unsupported for a type that is not one of
-/// numbers.
-Result<PieceAttributes> FindAttributes(const ImagePiece& piece,
-  const std::vector<std::string>& names, CellAverages& averages, int threads);
+/// Gives the pieces of this rank the arrays of these names to interpolate: point arrays, and averages of
+/// cell arrays where there is no point array of the name. Errors: NotFound for an image without one of the
+/// arrays; Unsupported for a type that is not one of numbers; InvalidArgument for arrays that are not of
+/// the same types in all images.
+Result<std::vector<InterpolatedArray>> AddAttributes(
+  ImagePieces& pieces, const std::vector<std::string>& names, CellAverages& averages, int threads);
 
 } // namespace isosurface
 

@@ -2,9 +2,8 @@
 #include "SampledImage.h"
 
 #include "BlockImage.h"
-#include "CostFieldData.h"
+#include "SurfaceFieldData.h"
 #include "VolumeInput.h"
-#include "VolumeReading.h"
 #include "vtkBlockedVolumeHandle.h"
 
 #include "vtkAlgorithm.h"
@@ -473,30 +472,31 @@ void SampledImage::DropRefinement()
 Refinement SampledImage::PrepareRefinement(vtkMultiProcessController* controller, double seconds)
 {
   ControllerCommunicator ranks(controller);
-  const bool may = ranks.All(!this->IsFinal());
+  Part* const next = this->Next.get();
+  const auto begin = [&]
+  {
+    if (!next->Work)
+    {
+      next->Begin();
+    }
+    return Status::Ok();
+  };
+  // If it cannot begin here, the execution after Refine tells why.
+  const bool hasBegun = next && Attempt("the samples cannot be read", begin).IsOk();
+  std::vector<std::uint64_t> all = { next ? 1U : 0U,
+    !hasBegun || next->Work->Wait(seconds) ? 1U : 0U,
+    static_cast<std::uint64_t>(hasBegun ? next->Work->GetProgress() * Millionths : 0) };
+  ranks.ReduceMinimum(all);
   Refinement refinement;
-  if (!may)
+  if (all[0] == 0)
   {
     this->DropRefinement();
     return refinement;
   }
-  Part& next = *this->Next;
-  const Status status = next.Work ? Status::Ok()
-                                  : Attempt("the samples cannot be read",
-                                      [&]
-                                      {
-                                        next.Begin();
-                                        return Status::Ok();
-                                      });
-  // If it cannot begin here, the execution after Refine tells why.
-  constexpr double millionths = 1e6;
-  std::vector<std::uint64_t> slowest = { !status.IsOk() || next.Work->Wait(seconds) ? 1U : 0U,
-    static_cast<std::uint64_t>(status.IsOk() ? next.Work->GetProgress() * millionths : 0) };
-  ranks.ReduceMinimum(slowest);
-  refinement.Stage = slowest[0] != 0 ? RefinementStage::Ready : RefinementStage::Working;
+  refinement.Stage = all[1] != 0 ? RefinementStage::Ready : RefinementStage::Working;
   refinement.ShownLevel = this->ShownLevel;
-  refinement.NextLevel = refinement.FinalLevel = next.Plan.Level;
-  refinement.Share = static_cast<double>(slowest[1]) / millionths;
+  refinement.NextLevel = refinement.FinalLevel = next->Plan.Level;
+  refinement.Share = static_cast<double>(all[2]) / Millionths;
   return refinement;
 }
 

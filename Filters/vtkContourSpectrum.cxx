@@ -3,7 +3,6 @@
 #include "vtkContourSpectrum.h"
 
 #include "ContouredArray.h"
-#include "ImageSpectrum.h"
 #include "SpectrumTable.h"
 #include "VolumeInput.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -28,6 +27,7 @@
 #include "ErrorReport.h"
 #include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Ranks/Query/MemorySpectrum.h"
 #include "Storage/Spectrum/IsovalueProposal.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -40,7 +40,7 @@
 vtkStandardNewMacro(vtkContourSpectrum);
 vtkCxxSetObjectMacro(vtkContourSpectrum, Controller, vtkMultiProcessController);
 
-using isosurface::ImageSpectrum;
+using isosurface::MemorySpectrum;
 using isosurface::Status;
 using isosurface::StatusCode;
 
@@ -70,15 +70,15 @@ struct vtkContourSpectrum::Steps
   /// Fills it with the spectra of images that all ranks have pieces of, or begins to count these beside
   /// this thread. Collective.
   Status CountInImages(vtkInformation* inInfo) const;
-  Status Begin(std::unique_ptr<ImageSpectrum> images) const;
-  Status Fill(const ImageSpectrum& images) const;
+  Status Begin(std::unique_ptr<MemorySpectrum> images) const;
+  Status Fill(const MemorySpectrum& images) const;
 };
 
 /// Spectra that are counted beside the calling thread.
 struct vtkContourSpectrum::Beside
 {
   std::uint64_t Fingerprint = 0;
-  std::unique_ptr<ImageSpectrum> Images;
+  std::unique_ptr<MemorySpectrum> Images;
   std::unique_ptr<isosurface::CollectiveTask> Work; ///< the last member: it uses the others
 };
 
@@ -246,13 +246,16 @@ Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& 
 //------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
-  auto images = std::make_unique<ImageSpectrum>();
-  ISOSURFACE_RETURN_IF_ERROR(images->Collect(
-    this->Ranks, inInfo,
-    [this](vtkImageData* image, int& association)
-    { return this->Filter.GetInputArrayToProcess(0, image, association); },
-    this->GetArrayName(), this->Filter.Component,
-    this->Ranks.ChooseThreads(this->Filter.NumberOfThreads)));
+  const int threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
+  isosurface::CellAverages averages;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto pieces,
+    isosurface::CollectContouredPieces(
+      this->Ranks, inInfo,
+      [this](vtkImageData* image, int& association)
+      { return this->Filter.GetInputArrayToProcess(0, image, association); },
+      this->GetArrayName(), this->Filter.Component, averages, threads));
+  auto images =
+    std::make_unique<MemorySpectrum>(std::move(pieces), this->Filter.Component, threads);
   if (this->Filter.ProposesAlone)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(this->Filter.Proposal, images->Propose(this->Ranks));
@@ -277,7 +280,7 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 }
 
 //------------------------------------------------------------------------------
-Status vtkContourSpectrum::Steps::Begin(std::unique_ptr<ImageSpectrum> images) const
+Status vtkContourSpectrum::Steps::Begin(std::unique_ptr<MemorySpectrum> images) const
 {
   const auto begin = [&]
   {
@@ -296,7 +299,7 @@ Status vtkContourSpectrum::Steps::Begin(std::unique_ptr<ImageSpectrum> images) c
 }
 
 //------------------------------------------------------------------------------
-Status vtkContourSpectrum::Steps::Fill(const ImageSpectrum& images) const
+Status vtkContourSpectrum::Steps::Fill(const MemorySpectrum& images) const
 {
   const auto fill = [&]
   {

@@ -19,11 +19,11 @@
 #include "ContourHeader.h"
 #include "ContourIslands.h"
 #include "ControllerCommunicator.h"
-#include "CostFieldData.h"
 #include "ErrorReport.h"
 #include "ImageSamples.h"
 #include "MatchVTK.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
+#include "SurfaceFieldData.h"
 #include "SurfacePolyData.h"
 
 #include <chrono>

@@ -6,7 +6,6 @@
 
 #include "BlockImage.h"
 #include "VolumeInput.h"
-#include "VolumeReading.h"
 #include "vtkBlockedVolumeHandle.h"
 
 #include "vtkCharArray.h"

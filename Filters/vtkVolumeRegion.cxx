@@ -3,7 +3,7 @@
 #include "vtkVolumeRegion.h"
 
 #include "SampledImage.h"
-#include "VolumeReading.h"
+#include "VolumeInput.h"
 
 #include "vtkImageData.h"
 #include "vtkInformation.h"

@@ -3,7 +3,7 @@
 #include "vtkVolumeSlice.h"
 
 #include "SampledImage.h"
-#include "VolumeReading.h"
+#include "VolumeInput.h"
 
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"

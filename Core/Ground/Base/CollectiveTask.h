@@ -32,6 +32,8 @@ public:
   CollectiveTask(const CollectiveTask&) = delete;
   CollectiveTask& operator=(const CollectiveTask&) = delete;
 
+  /// Whether there are several ranks.
+  bool IsCollective() const { return this->Relay != nullptr; }
   /// Asks it to stop, without waiting for that.
   void Stop() { this->Task->Stop(); }
   /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
@@ -40,8 +42,10 @@ public:
   /// Waits for the end, and tells how it ended; Aborted if the progress of any rank says so before.
   /// Collective.
   Status Finish(Communicator& ranks, const Progress& progress);
+  /// Waits as long, but for this rank alone, and not for what needs all ranks in Advance().
+  bool WaitAlone(double seconds) { return this->Task->Wait(seconds); }
   /// Whether this rank has come to the end.
-  bool HasEnded() { return this->Task->Wait(0); }
+  bool HasEnded() { return this->WaitAlone(0); }
   /// The finished fraction, 0 to 1.
   double GetProgress() const { return this->Task->GetProgress(); }
   /// How it ended. Only after the end.

@@ -5,42 +5,21 @@
 
 namespace isosurface
 {
-namespace
-{
 
-constexpr double PollSeconds = 0.02;
-
-} // namespace
-
-BackgroundExtraction::BackgroundExtraction(ExtractionTask task, int level)
-  : Task(std::move(task))
-  , Level(level)
-  , Work("the isosurface cannot be extracted",
-      [this](const Progress& advance) { return this->Extract(advance); })
+BackgroundExtraction::BackgroundExtraction(Communicator& ranks, Extraction extract)
+  : Work(ranks, "the isosurface cannot be extracted",
+      [this, extract = std::move(extract)](Communicator& all, const Progress& advance)
+      { return extract(all, advance, this->Outcome); })
 {
 }
 
-Status BackgroundExtraction::Extract(const Progress& advance)
+Status BackgroundExtraction::Take(
+  Communicator& ranks, const Progress& advance, ExtractionOutcome& outcome)
 {
-  ExtractionTask task = this->Task;
-  task.Sharing = nullptr;
-  task.Advance = advance;
-  return ExtractLevel(task, this->Level, this->Outcome);
-}
-
-Status BackgroundExtraction::Take(const Progress& advance, ExtractionOutcome& outcome)
-{
-  while (!this->Wait(PollSeconds))
-  {
-    if (advance && !advance(this->GetProgress()))
-    {
-      return { StatusCode::Aborted, "The extraction was aborted." };
-    }
-  }
+  ISOSURFACE_RETURN_IF_ERROR(this->Work.Finish(ranks, advance));
   QueryStatistics reading = outcome.Cost.Reading;
   reading.ActiveBlocks = 0;
   reading.Add(this->Outcome.Cost.Reading);
-  ISOSURFACE_RETURN_IF_ERROR(this->Work.GetStatus());
   outcome = std::move(this->Outcome);
   outcome.Cost.Reading = reading;
   return Status::Ok();

@@ -13,7 +13,8 @@ Status VolumeContour::ExtractAtLevel(
 {
   if (this->IsPrepared(task, choice.Level))
   {
-    const Status status = this->Prepared->Take(task.Advance, outcome);
+    SerialCommunicator alone;
+    const Status status = this->Prepared->Take(alone, task.Advance, outcome);
     this->Prepared.reset();
     ISOSURFACE_RETURN_IF_ERROR(status);
   }
@@ -39,13 +40,16 @@ Status VolumeContour::ExtractAtLevel(
   return Status::Ok();
 }
 
+VolumeContour::Key VolumeContour::MakeKey(const ExtractionTask& task, int level)
+{
+  return { static_cast<std::uint64_t>(level), static_cast<std::uint64_t>(task.Query.Rank),
+    static_cast<std::uint64_t>(task.Query.Ranks), static_cast<std::uint64_t>(task.FinishedSlices),
+    task.Volume->GetFaultEpoch() };
+}
+
 bool VolumeContour::IsPrepared(const ExtractionTask& task, int level) const
 {
-  const SurfaceQuery* prepared = this->Prepared ? &this->Prepared->GetTask().Query : nullptr;
-  const bool isMine = prepared && this->Prepared->GetLevel() == level &&
-    prepared->Rank == task.Query.Rank && prepared->Ranks == task.Query.Ranks &&
-    this->PreparedEpoch == task.Volume->GetFaultEpoch() &&
-    this->Prepared->GetTask().FinishedSlices == task.FinishedSlices;
+  const bool isMine = this->Prepared && this->PreparedKey == MakeKey(task, level);
   if (!task.Sharing)
   {
     return isMine;
@@ -58,15 +62,23 @@ void VolumeContour::Prepare(ExtractionTask task, int level)
 {
   this->DropPrepared();
   this->Dropped.reset();
-  this->PreparedEpoch = task.Volume->GetFaultEpoch();
-  this->Prepared = std::make_unique<BackgroundExtraction>(std::move(task), level);
+  this->PreparedKey = MakeKey(task, level);
+  task.Sharing = nullptr;
+  SerialCommunicator alone;
+  this->Prepared = std::make_unique<BackgroundExtraction>(alone,
+    [task = std::move(task), level](
+      Communicator&, const Progress& advance, ExtractionOutcome& outcome) mutable
+    {
+      task.Advance = advance;
+      return ExtractLevel(task, level, outcome);
+    });
 }
 
 void VolumeContour::DropPrepared()
 {
   if (this->Prepared)
   {
-    this->Prepared->Stop();
+    this->Prepared->GetWork().Stop();
     this->Dropped = std::move(this->Prepared);
   }
 }

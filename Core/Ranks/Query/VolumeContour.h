@@ -9,6 +9,7 @@
 #include "Ranks/Query/LevelChoice.h"
 #include "Ranks/Query/LevelExtraction.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 
@@ -37,19 +38,23 @@ public:
   /// Forgets the prepared surface, whose threads end soon afterwards. To be called when another
   /// volume or query is extracted next: that of a prepared surface is not compared.
   void DropPrepared();
-  /// The prepared surface, finished or not; null if there is none.
-  BackgroundExtraction* GetPrepared() { return this->Prepared.get(); }
+  /// The work of the prepared surface, finished or not; null if there is none.
+  CollectiveTask* GetPrepared() { return this->Prepared ? &this->Prepared->GetWork() : nullptr; }
 
   const ExtractionRate& GetRate() const { return this->Rate; }
 
 private:
+  /// What a prepared surface and a task have in common: level, share, slices of exact layers, and epoch of
+  /// the volume, since other shares belong to another one.
+  using Key = std::array<std::uint64_t, 5>;
+  static Key MakeKey(const ExtractionTask& task, int level);
   /// Whether the prepared surface is that of the task; the same on all ranks that share blocks.
   bool IsPrepared(const ExtractionTask& task, int level) const;
 
   ExtractionRate Rate;
   bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed
   std::unique_ptr<BackgroundExtraction> Prepared;
-  std::uint64_t PreparedEpoch = 0; ///< of the volume: other shares belong to another one
+  Key PreparedKey{};
   std::unique_ptr<BackgroundExtraction> Dropped; ///< so that nobody waits for its end
 };
 

@@ -3,6 +3,7 @@
 
 #include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/SampleRange.h"
+#include "Storage/Record/BlockRecord.h"
 #include "Storage/Store/StoreRecords.h"
 #include "Storage/Store/StoredBlockSource.h"
 
@@ -113,24 +114,6 @@ std::int64_t FinishedLayers::CountSlices() const
     [](const auto& one, const auto& other) { return one.size() < other.size(); });
   const auto layers = static_cast<std::int64_t>(least->size()) / (blocks[0] * blocks[1]);
   return std::min(layers * this->Grid.GetBlockSize(), this->Grid.GetDimensions()[2] - 1);
-}
-
-std::shared_ptr<const void> FinishedLayers::Show()
-{
-  const std::lock_guard<std::mutex> lock(this->Mutex);
-  std::shared_ptr<const void> shown = this->Shown.lock();
-  if (!shown)
-  {
-    shown = std::make_shared<const bool>(true);
-    this->Shown = shown;
-  }
-  return shown;
-}
-
-bool FinishedLayers::AreShown() const
-{
-  const std::lock_guard<std::mutex> lock(this->Mutex);
-  return !this->Shown.expired();
 }
 
 Status FinishedLayers::OpenSamples()

@@ -48,9 +48,9 @@ public:
   void End() { this->IsEnded = true; }
 
   bool HasEnded() const { return this->IsEnded; }
-  /// Tells that they are shown, as long as what is returned exists.
-  std::shared_ptr<const void> Show();
-  bool AreShown() const;
+  /// Tells how many surfaces more show them.
+  void CountShown(int surfaces) { this->Shown += surfaces; }
+  bool AreShown() const { return this->Shown > 0; }
   /// How many slices of cells have all of their blocks.
   std::int64_t CountSlices() const;
   /// The volume; known as soon as there are slices.
@@ -82,13 +82,13 @@ private:
   BlockedVolumeHeader Header;
   BlockGrid Grid;
   std::atomic<bool> IsEnded = false;
+  std::atomic<int> Shown = 0;             ///< surfaces
   std::mutex OpeningMutex;                ///< guards Samples, whose opening nobody else waits for
   std::shared_ptr<SourceSamples> Samples; ///< null until blocks are asked for
   mutable std::mutex Mutex;               ///< guards what follows
   std::vector<std::vector<KeyRange>> Ranges;
   /// By the folders of their stores, in the order of their blocks.
   std::map<std::string, std::vector<BlockDirectoryEntry>> Records;
-  std::weak_ptr<const void> Shown;
 };
 
 } // namespace isosurface

@@ -25,6 +25,32 @@ ExtractionTask MakeTask(const std::shared_ptr<BlockedVolume>& volume)
   return task;
 }
 
+/// A level that is extracted beside the calling thread.
+class LevelBeside
+{
+public:
+  LevelBeside(const ExtractionTask& task, int level)
+    : Extraction(this->Alone,
+        [task, level](Communicator&, const Progress& advance, ExtractionOutcome& outcome)
+        {
+          ExtractionTask mine = task;
+          mine.Advance = advance;
+          return ExtractLevel(mine, level, outcome);
+        })
+  {
+  }
+  bool Wait(double seconds) { return this->Extraction.GetWork().WaitAlone(seconds); }
+  double GetProgress() { return this->Extraction.GetWork().GetProgress(); }
+  Status Take(const Progress& advance, ExtractionOutcome& outcome)
+  {
+    return this->Extraction.Take(this->Alone, advance, outcome);
+  }
+
+private:
+  SerialCommunicator Alone;
+  BackgroundExtraction Extraction;
+};
+
 void ExpectSameBits(const Surface& surface, const Surface& expected)
 {
   EXPECT_GT(expected.NumberOfTriangles, 1000u);
@@ -58,7 +84,7 @@ TEST_F(BackgroundExtractionTest, GivesTheSurfaceThatIsExtractedAtOnce)
   for (int level = 0; level < 2; ++level)
   {
     const auto volume = OpenVolume(this->Disk);
-    BackgroundExtraction extraction(MakeTask(volume), level);
+    LevelBeside extraction(MakeTask(volume), level);
     while (!extraction.Wait(0.001))
     {
       EXPECT_GE(extraction.GetProgress(), 0);
@@ -84,7 +110,7 @@ TEST_F(BackgroundExtractionTest, StopsWhenNobodyWantsIt)
   const std::uint64_t opened = this->Disk.GetReads();
   this->Disk.SetBeforeRead([] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
   {
-    const BackgroundExtraction extraction(MakeTask(volume), 0);
+    const LevelBeside extraction(MakeTask(volume), 0);
   }
   EXPECT_LT(this->Disk.GetReads() - opened, all / 2);
 }
@@ -93,7 +119,7 @@ TEST_F(BackgroundExtractionTest, TakingItCanBeAborted)
 {
   const auto volume = OpenVolume(this->Disk);
   this->Disk.SetBeforeRead([] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
-  BackgroundExtraction extraction(MakeTask(volume), 0);
+  LevelBeside extraction(MakeTask(volume), 0);
   ExtractionOutcome outcome;
   int calls = 0;
   const Status status = extraction.Take([&](double) { return ++calls < 2; }, outcome);
@@ -105,7 +131,7 @@ TEST_F(BackgroundExtractionTest, TellsOfErrorsWhenItIsTaken)
 {
   const auto volume = OpenVolume(this->Disk);
   this->Disk.FailFromRead(60); // its own files are open by then
-  BackgroundExtraction extraction(MakeTask(volume), 0);
+  LevelBeside extraction(MakeTask(volume), 0);
   ExtractionOutcome outcome;
   const Status status = extraction.Take({}, outcome);
   ExpectError(status, StatusCode::IoError, "/data/volume.bvol");

@@ -9,7 +9,8 @@
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ranks/Islands/IslandChoice.h"
-#include "Ranks/Query/VolumeRefinement.h"
+#include "Ranks/Query/StoredField.h"
+#include "Ranks/Query/SurfaceRefinement.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "Storage/Spectrum/GridSpectrum.h"
 #include "Storage/Store/StoredBlockSource.h"
@@ -79,15 +80,15 @@ struct RankDeeds
     const SurfaceQuery query = MakeQuery(ranks);
     ContourRequest request;
     request.Isovalues = query.Isovalues;
-    VolumeRefinement surfaces([] { return std::uint64_t{ 0 }; });
+    StoredField field;
+    SurfaceRefinement surfaces([] { return std::uint64_t{ 0 }; });
     RefinementRequest wanted;
-    wanted.Budget = { 100, 1000000 };
     wanted.IsProgressive = true;
     wanted.Change = 1;
-    ExtractionTask task = { volume, query, request, 1, {} };
-    ISOSURFACE_RETURN_IF_ERROR(surfaces.Begin(ranks, task, "", wanted).GetStatus());
+    field.Ask({ volume, query, request, 1, {} }, { 100, 1000000 }, "");
+    ISOSURFACE_RETURN_IF_ERROR(surfaces.Begin(ranks, field, wanted).GetStatus());
     ExtractionOutcome outcome;
-    return surfaces.Extract(ranks, task, outcome);
+    return surfaces.Extract(ranks, outcome);
   }
 
   static Status Distribute(Communicator& ranks, FileSystem& disk)

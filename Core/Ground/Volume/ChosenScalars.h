@@ -3,9 +3,7 @@
 #define isosurface_ChosenScalars_h
 
 #include "Ground/Base/Status.h"
-#include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/SampleView.h"
-#include "ImageSamples.h"
 
 #include <string>
 #include <vector>
@@ -13,20 +11,20 @@
 namespace isosurface
 {
 
-/// What is contoured of an image's array: a component, or the magnitude, which is computed.
+/// What is contoured of an array's components: one of them, or the magnitude, which is computed.
 class ChosenScalars
 {
 public:
   ChosenScalars() = default;
 
-  /// component: one of the array's, or Variable::Magnitude. Cost of a magnitude: 8 bytes a sample,
-  /// and a pass over the samples.
-  ChosenScalars(const ImageSamples& samples, int component, int threads);
+  /// choice: as FindChosenComponent takes it, and there is one. Cost of a magnitude: 8 bytes a sample, and
+  /// a pass over the samples.
+  ChosenScalars(const std::vector<SampleView>& components, int choice, int threads);
 
   int GetComponent() const { return this->Component; }
 
-  /// Of the samples that this was made from. The view must not outlive them, nor this object.
-  SampleView GetView(const ImageSamples& samples) const;
+  /// Of the components that this was made from. The view must not outlive their samples, nor this object.
+  SampleView GetView(const std::vector<SampleView>& components) const;
 
 private:
   int Component = 0;

@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "IslandData.h"
-
-#include "CostFieldData.h"
+#include "SurfaceFieldData.h"
 
 #include "vtkCellData.h"
-#include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
-#include "vtkIdTypeArray.h"
-#include "vtkNew.h"
+#include "vtkIntArray.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
+#include "vtkSmartPointer.h"
+#include "vtkStringArray.h"
 
 #include "RangedArray.h"
 
+#include <algorithm>
 #include <array>
-#include <cstddef>
 #include <cstdio>
-#include <vector>
 
 namespace isosurface
 {
@@ -45,6 +42,66 @@ std::string GroupDigits(std::uint64_t number)
 }
 
 } // namespace
+
+void AddCostToFieldData(int rank, const QueryCost& cost, vtkPolyData* output)
+{
+  const auto add = [output](const char* name, auto value) { AddToFieldData(output, name, value); };
+  add("Rank", rank);
+  add("TreePagesRead", cost.Reading.TreePagesRead);
+  add("DirectoryPagesRead", cost.Reading.DirectoryPagesRead);
+  add("ActiveBlocks", cost.Reading.ActiveBlocks);
+  add("BlocksRead", cost.Reading.BlocksRead);
+  add("BytesRead", cost.Reading.BytesRead);
+  add("BlockCacheHits", cost.Reading.BlockCacheHits);
+  add("Triangles", cost.Triangles);
+  add("Level", cost.Level);
+  add("QuerySeconds", cost.Reading.QuerySeconds);
+  add("ReadSeconds", cost.Reading.ReadSeconds);
+  add("ExtractSeconds", cost.ExtractSeconds);
+  if (!cost.Choice)
+  {
+    return;
+  }
+  add("EstimatedTriangles", cost.Choice->Triangles);
+  add("PredictedSeconds", cost.Choice->Seconds);
+  vtkNew<vtkStringArray> limit;
+  limit->SetName("LevelLimit");
+  limit->InsertNextValue(cost.Choice->Limit == LevelLimit::Triangles ? "MaximumTriangles"
+      : cost.Choice->Limit == LevelLimit::Seconds                    ? "TimeBudget"
+                                                                     : "");
+  output->GetFieldData()->AddArray(limit);
+}
+
+void AddBlocks(const SurfaceBlocks& blocks, vtkPolyData* surface)
+{
+  const vtkSmartPointer<vtkIdTypeArray> ids =
+    vtkIdTypeArray::SafeDownCast(surface->GetPointData()->GetGlobalIds());
+  if (blocks.Names.empty() || !ids)
+  {
+    return;
+  }
+  vtkNew<vtkIntArray> numbers;
+  numbers->SetName("BlockIds");
+  numbers->SetNumberOfTuples(ids->GetNumberOfTuples());
+  for (vtkIdType point = 0; point < ids->GetNumberOfTuples(); ++point)
+  {
+    const auto next =
+      std::upper_bound(blocks.FirstIds.begin(), blocks.FirstIds.end(), ids->GetValue(point));
+    const auto grid = static_cast<std::size_t>(next - blocks.FirstIds.begin() - 1);
+    numbers->SetValue(point, static_cast<int>(blocks.Numbers[grid]));
+  }
+  // Ids stay the last array: see MoveToPolyData.
+  surface->GetPointData()->RemoveArray(ids->GetName());
+  surface->GetPointData()->AddArray(numbers);
+  surface->GetPointData()->SetGlobalIds(ids);
+  vtkNew<vtkStringArray> names;
+  names->SetName("BlockNames");
+  for (const std::string& name : blocks.Names)
+  {
+    names->InsertNextValue(name);
+  }
+  surface->GetFieldData()->AddArray(names);
+}
 
 void AddIslands(ChosenIslands& islands, bool ids, double seconds, vtkPolyData* output)
 {

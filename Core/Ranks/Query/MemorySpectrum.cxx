@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ImageSpectrum.h"
+#include "Ranks/Query/MemorySpectrum.h"
 
-#include "ChosenScalars.h"
-#include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Ground/Volume/ChosenScalars.h"
 #include "Ground/Volume/SampleCopy.h"
 #include "Storage/Spectrum/GridSpectrum.h"
 #include "Storage/Spectrum/IsovalueProposal.h"
@@ -11,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -143,21 +141,21 @@ double ProposeOfSamples(Communicator& ranks, const std::vector<double>& samples)
 
 /// scalars: those of each piece.
 std::vector<GridSpectrum> MakeGridSpectra(
-  const ImagePieces& pieces, const std::vector<SampleView>& scalars, ValueType type, int threads)
+  const MemoryGrids& samples, const std::vector<SampleView>& scalars, ValueType type, int threads)
 {
   std::vector<GridSpectrum> spectra;
-  for (std::size_t grid = 0; grid < pieces.Grids.size(); ++grid)
+  for (std::size_t grid = 0; grid < samples.Grids.size(); ++grid)
   {
     std::vector<SampleView> views;
-    for (std::size_t piece = 0; piece < pieces.Pieces.size(); ++piece)
+    for (std::size_t piece = 0; piece < samples.Pieces.size(); ++piece)
     {
-      if (pieces.Pieces[piece].Grid == grid)
+      if (samples.Pieces[piece].Grid == grid)
       {
         views.push_back(scalars[piece]);
       }
     }
-    MeasuredGrid measured{ pieces.Grids[grid] };
-    if (const auto& lines = pieces.Lines[grid])
+    MeasuredGrid measured{ samples.Grids[grid] };
+    if (const auto& lines = samples.Lines[grid])
     {
       measured.Lines = &*lines;
       measured.Geometry =
@@ -199,90 +197,62 @@ Result<std::vector<WorkloadSpectrum>> CountGrids(
 
 } // namespace
 
-Status ImageSpectrum::Collect(Communicator& ranks, vtkInformation* input,
-  const ArrayChooser& choose, const std::string& name, int component, int threads)
-{
-  ISOSURFACE_ASSIGN_OR_RETURN(this->Pieces,
-    CollectContouredPieces(ranks, input, choose, name, component, this->Averages, threads));
-  this->Component = component;
-  this->Threads = threads;
-  return Status::Ok();
-}
-
-std::uint64_t ImageSpectrum::ComputeFingerprint() const
+std::uint64_t MemorySpectrum::ComputeFingerprint() const
 {
   Fingerprint fingerprint;
   fingerprint.AddNumber(static_cast<std::uint64_t>(this->Component));
-  for (const ImagePiece& piece : this->Pieces.Pieces)
-  {
-    fingerprint.AddNumber(reinterpret_cast<std::uintptr_t>(piece.Samples.Array.Get()));
-    fingerprint.AddNumber(piece.GetTime());
-  }
+  fingerprint.AddNumber(this->Samples.ComputeFingerprint());
   return fingerprint.Get();
 }
 
-std::uint64_t ImageSpectrum::CountSamples() const
-{
-  std::uint64_t samples = 0;
-  for (const ImagePiece& piece : this->Pieces.Pieces)
-  {
-    samples +=
-      static_cast<std::uint64_t>(piece.Samples.Components.front().Box.GetNumberOfVertices());
-  }
-  return samples;
-}
-
-Status ImageSpectrum::Count(Communicator& ranks, const Progress& progress)
+Status MemorySpectrum::Count(Communicator& ranks, const Progress& progress)
 {
   std::vector<ChosenScalars> chosen;
   std::vector<SampleView> scalars;
   const auto choose = [&]
   {
-    for (const ImagePiece& piece : this->Pieces.Pieces)
+    for (const MemoryPiece& piece : this->Samples.Pieces)
     {
-      const int component =
-        *FindChosenComponent(static_cast<int>(piece.Samples.Components.size()), this->Component);
-      chosen.emplace_back(piece.Samples, component, this->Threads);
-      scalars.push_back(chosen.back().GetView(piece.Samples));
+      chosen.emplace_back(piece.Components, this->Component, this->Threads);
+      scalars.push_back(chosen.back().GetView(piece.Components));
     }
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, choose));
-  const auto type = FindType(ranks, scalars);
-  if (!type.IsOk() || !*type)
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto type, FindType(ranks, scalars));
+  if (!type)
   {
-    return type.GetStatus();
+    return Status::Ok();
   }
   std::vector<GridSpectrum> grids;
   const auto make = [&]
   {
-    grids = MakeGridSpectra(this->Pieces, scalars, **type, this->Threads);
+    grids = MakeGridSpectra(this->Samples, scalars, *type, this->Threads);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, make));
-  ISOSURFACE_ASSIGN_OR_RETURN(this->Spectra, CountGrids(ranks, **type, std::move(grids), progress));
+  ISOSURFACE_ASSIGN_OR_RETURN(this->Spectra, CountGrids(ranks, *type, std::move(grids), progress));
   return Status::Ok();
 }
 
-Result<double> ImageSpectrum::Propose(Communicator& ranks) const
+Result<double> MemorySpectrum::Propose(Communicator& ranks) const
 {
-  const int level = FindProposalLevel(this->Pieces.Grids);
+  const int level = FindProposalLevel(this->Samples.Grids);
   std::vector<double> samples;
   const auto collect = [&]
   {
-    for (const ImagePiece& piece : this->Pieces.Pieces)
+    for (const MemoryPiece& piece : this->Samples.Pieces)
     {
-      const Index3 dimensions = this->Pieces.Grids[piece.Grid].GetDimensions();
-      ImageSamples thinned = piece.Samples;
-      for (SampleView& view : thinned.Components)
+      const Index3 dimensions = this->Samples.Grids[piece.Grid].GetDimensions();
+      std::vector<SampleView> thinned = piece.Components;
+      for (SampleView& view : thinned)
       {
         view = ThinPiece(view, dimensions, level);
       }
-      if (!thinned.Components.front().Box.IsEmpty())
+      if (!thinned.front().Box.IsEmpty())
       {
-        const int component =
-          *FindChosenComponent(static_cast<int>(thinned.Components.size()), this->Component);
-        AddSamples(ChosenScalars(thinned, component, this->Threads).GetView(thinned), samples);
+        AddSamples(
+          ChosenScalars(thinned, this->Component, this->Threads).GetView(thinned), samples);
       }
     }
     return Status::Ok();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ChosenScalars.h"
+#include "Ground/Volume/ChosenScalars.h"
 
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/Magnitude.h"
 
 #include <cstddef>
@@ -10,14 +11,14 @@
 namespace isosurface
 {
 
-ChosenScalars::ChosenScalars(const ImageSamples& samples, int component, int threads)
-  : Component(component)
+ChosenScalars::ChosenScalars(const std::vector<SampleView>& components, int choice, int threads)
+  : Component(*FindChosenComponent(static_cast<int>(components.size()), choice))
 {
-  if (component != Variable::Magnitude)
+  if (this->Component != Variable::Magnitude)
   {
     return;
   }
-  const VertexBox& all = samples.Components.front().Available;
+  const VertexBox& all = components.front().Available;
   const Index3 size = all.GetSize();
   this->Magnitudes.resize(static_cast<std::size_t>(all.GetNumberOfVertices()));
   ParallelFor(static_cast<std::size_t>(size[2]), threads,
@@ -26,20 +27,19 @@ ChosenScalars::ChosenScalars(const ImageSamples& samples, int component, int thr
       VertexBox box = all;
       box.Low[2] += static_cast<std::int64_t>(slice);
       box.High[2] = box.Low[2] + 1;
-      ComputeMagnitudes(samples.Components, box,
+      ComputeMagnitudes(components, box,
         this->Magnitudes.data() + static_cast<std::int64_t>(slice) * size[0] * size[1]);
     });
 }
 
-SampleView ChosenScalars::GetView(const ImageSamples& samples) const
+SampleView ChosenScalars::GetView(const std::vector<SampleView>& components) const
 {
   if (this->Component != Variable::Magnitude)
   {
-    return samples.Components[static_cast<std::size_t>(this->Component)];
+    return components[static_cast<std::size_t>(this->Component)];
   }
-  SampleView view =
-    MakeMagnitudeView(samples.Components.front().Available, this->Magnitudes.data());
-  view.Box = samples.Components.front().Box;
+  SampleView view = MakeMagnitudeView(components.front().Available, this->Magnitudes.data());
+  view.Box = components.front().Box;
   return view;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Each step of a surface from coarse to final, on ranks that are threads, without a pipeline.
-#include "Ranks/Query/VolumeRefinement.h"
+#include "Ranks/Query/SurfaceRefinement.h"
 #include "Fixtures/VolumeOnDisk.h"
+#include "Ranks/Query/MemoryField.h"
+#include "Ranks/Query/StoredField.h"
 
 using namespace isosurface;
 
@@ -68,11 +70,17 @@ public:
     this->Query = { { 0, 0, { RefinedIsovalue } }, communicator.GetRank(), communicator.GetSize() };
   }
 
-  Result<VolumeRefinement::Choice> Begin()
+  Result<SurfaceRefinement::Choice> Begin()
   {
-    this->Task = { this->Volume, this->Query, {}, 1, {} };
-    this->Task.Request.Isovalues = this->Query.Isovalues;
-    return this->Surfaces.Begin(this->Counted, this->Task, "", this->Wanted);
+    if (this->Image)
+    {
+      this->AskImage();
+      return this->Surfaces.Begin(this->Counted, this->InMemory, this->Wanted);
+    }
+    ExtractionTask task = { this->Volume, this->Query, {}, 1, {} };
+    task.Request.Isovalues = this->Query.Isovalues;
+    this->Stored.Ask(task, {}, "");
+    return this->Surfaces.Begin(this->Counted, this->Stored, this->Wanted);
   }
 
   /// The triangles of all ranks, and the level.
@@ -81,7 +89,7 @@ public:
     const auto choice = this->Begin();
     EXPECT_TRUE(choice.IsOk()) << choice.GetStatus().GetMessage();
     ExtractionOutcome outcome;
-    const Status status = this->Surfaces.Extract(this->Counted, this->Task, outcome);
+    const Status status = this->Surfaces.Extract(this->Counted, outcome);
     EXPECT_TRUE(status.IsOk()) << status.GetMessage();
     this->Surfaces.SetShown(status.IsOk(), outcome.Extracted.NumberOfTriangles);
     const std::uint64_t triangles = this->Counted.Sum(outcome.Extracted.NumberOfTriangles);
@@ -105,25 +113,42 @@ public:
   }
 
   CountingCommunicator Counted;
+  const SampleVolume<std::uint8_t>* Image =
+    nullptr; ///< if given, its surface is shown, of slabs of the ranks
   std::shared_ptr<BlockedVolume> Volume;
   SurfaceQuery Query;
+  std::uint64_t ImageIdentity = 1;
   RefinementRequest Wanted;
   std::uint64_t FreeMemory = 0; ///< unknown
-  VolumeRefinement Surfaces;
-  ExtractionTask Task;
+  StoredField Stored;
+  MemoryField InMemory;
+  SurfaceRefinement Surfaces;
+
+private:
+  void AskImage()
+  {
+    MemoryQuery query;
+    const int rank = this->Counted.GetRank();
+    const std::int64_t slices = this->Image->GetDimensions()[2] - 1;
+    VertexBox slab = { { 0, 0, 0 }, this->Image->GetDimensions() };
+    slab.Low[2] = slices * rank / this->Counted.GetSize();
+    slab.High[2] = slices * (rank + 1) / this->Counted.GetSize() + 1;
+    query.Samples.Grids = { this->Image->Geometry };
+    query.Samples.Lines.resize(1);
+    query.Samples.Pieces = { { 0, { this->Image->GetView(slab) }, {}, {}, this->ImageIdentity,
+      {} } };
+    query.Request.Isovalues = this->Query.Isovalues;
+    this->InMemory.Ask(std::move(query), {});
+  }
 };
 
 /// A volume whose surface has so many triangles that the first one is coarse.
-class VolumeRefinementTest : public testing::Test
+class SurfaceRefinementTest : public testing::Test
 {
 protected:
-  VolumeRefinementTest()
+  SurfaceRefinementTest()
   {
-    WriteVolumeOk(this->Disk,
-      SampleVolume<std::uint8_t>({ 150, 140, 130 },
-        [](auto i, auto j, auto k)
-        { return static_cast<std::uint8_t>((i * i + j * j + k * k) / 160 % 200); }),
-      MakeSettings(16, RefiningRanks));
+    WriteVolumeOk(this->Disk, this->Image, MakeSettings(16, RefiningRanks));
   }
 
   std::uint64_t CountExactTriangles()
@@ -147,12 +172,15 @@ protected:
       });
   }
 
+  const SampleVolume<std::uint8_t> Image{ { 150, 140, 130 },
+    [](auto i, auto j, auto k)
+    { return static_cast<std::uint8_t>((i * i + j * j + k * k) / 160 % 200); } };
   MemoryDisk Disk;
 };
 
 } // namespace
 
-TEST_F(VolumeRefinementTest, GoesFromACoarseSurfaceToTheFinalOne)
+TEST_F(SurfaceRefinementTest, GoesFromACoarseSurfaceToTheFinalOne)
 {
   const std::uint64_t exact = this->CountExactTriangles();
   this->OnRanks(
@@ -171,7 +199,34 @@ TEST_F(VolumeRefinementTest, GoesFromACoarseSurfaceToTheFinalOne)
     });
 }
 
-TEST_F(VolumeRefinementTest, IsTheSameWithoutPreparation)
+TEST_F(SurfaceRefinementTest, OfAnImageGoesTheSameWayTogether)
+{
+  const std::uint64_t exact = this->CountExactTriangles();
+  this->OnRanks(
+    [&](Window& window)
+    {
+      window.Image = &this->Image;
+      const auto [coarse, level] = window.Show();
+      EXPECT_GT(level, 0);
+      EXPECT_GT(coarse, 0U);
+      EXPECT_LT(coarse, exact / 4);
+      EXPECT_FALSE(window.Surfaces.IsFinal());
+      window.Counted.TakeCount();
+      EXPECT_TRUE(window.Begin().IsOk());
+      EXPECT_EQ(window.Counted.TakeCount(), 1) << "nothing has changed";
+      EXPECT_EQ(window.Finish(), RefinementStage::Ready);
+      EXPECT_TRUE(window.Surfaces.Refine(1));
+      EXPECT_EQ(window.Show(), std::make_pair(exact, 0));
+      EXPECT_TRUE(window.Surfaces.IsFinal());
+      EXPECT_EQ(window.Prepare().Stage, RefinementStage::None);
+      window.ImageIdentity = window.Counted.GetRank() == 1 ? 2 : 1;
+      EXPECT_EQ(window.Show(), std::make_pair(coarse, level)) << "a rank has other samples";
+      window.Image = nullptr;
+      EXPECT_GT(window.Show().second, 0) << "a volume has taken its place";
+    });
+}
+
+TEST_F(SurfaceRefinementTest, IsTheSameWithoutPreparation)
 {
   const std::uint64_t exact = this->CountExactTriangles();
   this->OnRanks(
@@ -183,7 +238,7 @@ TEST_F(VolumeRefinementTest, IsTheSameWithoutPreparation)
     });
 }
 
-TEST_F(VolumeRefinementTest, ScriptsGetOneLevelAfterTheOther)
+TEST_F(SurfaceRefinementTest, ScriptsGetOneLevelAfterTheOther)
 {
   this->OnRanks(
     [&](Window& window)
@@ -203,7 +258,7 @@ TEST_F(VolumeRefinementTest, ScriptsGetOneLevelAfterTheOther)
     });
 }
 
-TEST_F(VolumeRefinementTest, AChangeOnOneRankBeginsAnewOnAll)
+TEST_F(SurfaceRefinementTest, AChangeOnOneRankBeginsAnewOnAll)
 {
   this->OnRanks(
     [&](Window& window)
@@ -222,7 +277,7 @@ TEST_F(VolumeRefinementTest, AChangeOnOneRankBeginsAnewOnAll)
     });
 }
 
-TEST_F(VolumeRefinementTest, ASurfaceLargerThanTheMemoryOfOneRankWaitsUntilAllAcceptIt)
+TEST_F(SurfaceRefinementTest, ASurfaceLargerThanTheMemoryOfOneRankWaitsUntilAllAcceptIt)
 {
   this->OnRanks(
     [&](Window& window)
@@ -245,7 +300,7 @@ TEST_F(VolumeRefinementTest, ASurfaceLargerThanTheMemoryOfOneRankWaitsUntilAllAc
     });
 }
 
-TEST_F(VolumeRefinementTest, BeginsWithTwoReductionsAndPollsWithOne)
+TEST_F(SurfaceRefinementTest, BeginsWithTwoReductionsAndPollsWithOne)
 {
   this->OnRanks(
     [&](Window& window)
@@ -262,7 +317,7 @@ TEST_F(VolumeRefinementTest, BeginsWithTwoReductionsAndPollsWithOne)
     });
 }
 
-TEST_F(VolumeRefinementTest, AnErrorOfOneRankIsOneOfAll)
+TEST_F(SurfaceRefinementTest, AnErrorOfOneRankIsOneOfAll)
 {
   MemoryDisk damaged;
   WriteVolumeOk(
@@ -292,7 +347,7 @@ TEST_F(VolumeRefinementTest, AnErrorOfOneRankIsOneOfAll)
     });
 }
 
-TEST_F(VolumeRefinementTest, RanksThatSeeDifferentFilesFail)
+TEST_F(SurfaceRefinementTest, RanksThatSeeDifferentFilesFail)
 {
   MemoryDisk other; // with a surface that is small enough to be shown at once
   WriteVolumeOk(other,

@@ -1,34 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_ImageSpectrum_h
-#define isosurface_ImageSpectrum_h
+#ifndef isosurface_MemorySpectrum_h
+#define isosurface_MemorySpectrum_h
 
-#include "ContouredArray.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
-#include "ImagePieces.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
+#include "Surface/Pieces/MemoryGrids.h"
 
 #include <cstdint>
-#include <string>
+#include <utility>
 #include <vector>
 
 namespace isosurface
 {
 
-/// The contour spectra of images in memory that the ranks have pieces of. Collect() is for the thread of
-/// the pipeline, Count() for any thread: meanwhile this object keeps the images' arrays.
-class ImageSpectrum
+/// The contour spectra of grids in memory. Any thread may count them.
+class MemorySpectrum
 {
 public:
-  /// Finds the array in the input, on all ranks. Collective. Errors: CollectContouredPieces.
-  Status Collect(Communicator& ranks, vtkInformation* input, const ArrayChooser& choose,
-    const std::string& name, int component, int threads);
+  /// `component`: as FindChosenComponent takes it.
+  MemorySpectrum(MemoryGrids samples, int component, int threads)
+    : Samples(std::move(samples))
+    , Component(component)
+    , Threads(threads)
+  {
+  }
 
   /// What tells these samples, and the choice of them, from others on this rank.
   std::uint64_t ComputeFingerprint() const;
   /// On this rank.
-  std::uint64_t CountSamples() const;
+  std::uint64_t CountSamples() const { return this->Samples.CountSamples(); }
 
   /// Collective. Errors of one rank are errors of all: InvalidArgument, Aborted, OutOfMemory. Cost: two
   /// passes over the samples, and one for a magnitude.
@@ -40,10 +42,9 @@ public:
   const std::vector<WorkloadSpectrum>& GetSpectra() const { return this->Spectra; }
 
 private:
-  CellAverages Averages;
-  ImagePieces Pieces;
-  int Component = 0;
-  int Threads = 1;
+  const MemoryGrids Samples;
+  const int Component;
+  const int Threads;
   std::vector<WorkloadSpectrum> Spectra;
 };
 

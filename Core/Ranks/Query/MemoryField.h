@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_MemoryField_h
+#define isosurface_MemoryField_h
+
+#include "Ranks/Query/BackgroundExtraction.h"
+#include "Ranks/Query/Field.h"
+#include "Ranks/Query/MemoryContour.h"
+
+#include "Ground/Base/Progress.h"
+
+#include <memory>
+#include <optional>
+
+namespace isosurface
+{
+
+/// Grids in memory. Nobody has counted their triangles, so the first level is found by coarse surfaces;
+/// the finest one follows it. Surfaces are extracted by all ranks together.
+class MemoryField : public Field
+{
+public:
+  /// Begins an execution. `advance` is called by what is extracted in it, in the calling thread.
+  void Ask(MemoryQuery query, Progress advance);
+  /// What the surface at a level is extracted of.
+  MemoryQuery MakeQuery(int level) const;
+  /// Lets the samples go: no finer surface follows.
+  void Release() { this->Asked.Samples = {}; }
+  /// Forgets the prepared surface, if its thread still reads the samples.
+  void DropUnfinished();
+
+  std::string GetName() const override { return "the images of the input"; }
+  bool IsSame() const override { return this->Same; }
+  bool IsThere() const override { return true; }
+  int FindFinestLevel(int) const override { return 0; }
+  Result<First> FindFirst(Communicator& ranks, int finest) override;
+  int GetNextLevel(int, int finest) const override { return finest; }
+  Result<double> EstimateTriangles(int level) override;
+  double EstimateBytes(double) const override { return 0; }
+  Status Extract(Communicator& ranks, int level, ExtractionOutcome& outcome) override;
+  Status Prepare(Communicator& ranks, int level) override;
+  CollectiveTask* GetPrepared() override
+  {
+    return this->Prepared ? &this->Prepared->GetWork() : nullptr;
+  }
+  void DropPrepared() override { this->Prepared.reset(); }
+  void Forget() override;
+
+private:
+  Status ExtractCoarsely(Communicator& ranks, int level, ExtractionOutcome& outcome);
+
+  MemoryContour Exact;
+  MemoryContour Coarse; ///< of its own, so that ranges of exact ones stay
+  MemoryQuery Asked;
+  Progress Advance;
+  std::uint64_t Identity = 0; ///< of the samples that were asked for
+  bool Same = false;
+  bool AreSeveral = false;                 ///< whether the ranks have more than one piece together
+  std::optional<ExtractionOutcome> Probed; ///< the first surface, until it is taken
+  int ProbedLevel = 0;
+  double ProbedTriangles = 0;                     ///< of all ranks
+  std::unique_ptr<BackgroundExtraction> Prepared; ///< uses Exact
+};
+
+} // namespace isosurface
+
+#endif

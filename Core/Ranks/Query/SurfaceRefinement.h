@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_SurfaceRefinement_h
+#define isosurface_SurfaceRefinement_h
+
+#include "Ground/Base/Communicator.h"
+#include "Ground/Base/Status.h"
+#include "Ranks/Query/Field.h"
+#include "Ranks/Query/LevelExtraction.h"
+#include "Ranks/Query/Refinement.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+namespace isosurface
+{
+
+/// Which surfaces of a field are wanted. Equal on all ranks, except for Change.
+struct RefinementRequest
+{
+  int Level = 0;              ///< the finest level
+  bool IsProgressive = false; ///< a script asks for one level after the other
+  bool MayBeCoarse = false;   ///< a window refines the first surface after a change
+  bool FindsIslands = false;  ///< which a sample and its exact layers do not have in common
+  std::uint64_t Change = 0;   ///< names the caller's last change
+};
+
+/**
+ * Isosurfaces from coarse to fine. Begin chooses the level of the next surface, and Extract extracts it.
+ * Between two surfaces, Prepare extracts the finer one beside the calling thread, and Refine makes it the
+ * next one. A surface of a sample (FinishedLayers) becomes exact part by part, and stays if the first
+ * surface of the volume itself has no more triangles.
+ *
+ * All functions are for one thread. What they return is equal on all ranks, except for statuses.
+ */
+class SurfaceRefinement
+{
+public:
+  /// `findFreeMemory`: the bytes that this rank can still have; 0 if that is not known.
+  explicit SurfaceRefinement(std::function<std::uint64_t()> findFreeMemory);
+
+  /// What Begin has chosen.
+  struct Choice
+  {
+    int Level = 0;
+    bool MayStay = false; ///< whether the surface may stay when the volume of the sample is there
+    bool Stays = false;   ///< whether the last surface stays, so that nothing is to be extracted
+  };
+
+  /// Chooses the level of the next surface: the one that Refine has chosen or, if on any rank the field
+  /// has other samples or `wanted.Change` is new, the first one. `field` must outlive this object.
+  /// Errors: those of the field, or that the ranks see different files. Collective: a reduction, and
+  /// after a change an agreement and what Field::FindFirst needs.
+  Result<Choice> Begin(Communicator& ranks, Field& field, const RefinementRequest& wanted);
+  /// This rank's part of the surface that Begin has chosen. Collective. Errors: Field::Extract.
+  Status Extract(Communicator& ranks, ExtractionOutcome& outcome);
+  /// Whether no finer surface follows.
+  bool IsFinal() const { return this->Last.IsFinal; }
+  /// Tells whether the surface is shown, and the triangles of this rank's part.
+  void SetShown(bool shown, std::size_t triangles);
+
+  /// Makes the next surface a finer one, unless the last one is final or `change` is another one.
+  bool Refine(std::uint64_t change);
+  /// Names the change that Refine itself has made.
+  void KeepChange(std::uint64_t change) { this->Last.Wanted.Change = change; }
+
+  /// Begins to extract the next surface beside the calling thread, or waits for it, at most so many
+  /// seconds. Stage None: nothing follows. Collective: a reduction while the thread works, and those of
+  /// CollectiveTask::Advance.
+  Refinement Prepare(Communicator& ranks, double seconds, std::uint64_t change);
+  /// Forgets what was prepared.
+  void DropPrepared();
+  /// Lets surfaces be larger than the memory until the next change.
+  void AcceptSize() { this->Last.SizeAccepted = true; }
+
+private:
+  /// The surface that Begin has chosen last.
+  struct Pass
+  {
+    Field* Of = nullptr;
+    int Level = 0;
+    bool Shown = false;
+    bool IsFinal = false;
+    RefinementRequest Wanted;  ///< its level is one of the field
+    std::size_t Triangles = 0; ///< of this rank
+    bool SizeAccepted = false;
+    bool IsDirect = false; ///< whether the final level follows the first one
+    bool MayStay = false;  ///< until there is a finer surface of the volume that was sampled
+    bool Stays = false;    ///< whether the surface of the pass before is shown
+  };
+
+  /// What all ranks know of the surface that is prepared.
+  struct Preparation
+  {
+    bool Grows = false;   ///< exact layers follow
+    bool Refines = false; ///< a finer level follows
+    bool Exists = false;
+    bool IsReady = false;
+    bool HasFailed = false; ///< on any rank
+    double Share = 0;
+  };
+
+  void Forget();
+  /// Chooses the first level after a change. `shown`: the triangles that are shown of a sample, which may
+  /// stay; or 0. Collective.
+  Status ChooseFirst(Communicator& ranks, Field& field, std::uint64_t shown);
+  Status ChooseLevelThatStays(Communicator& ranks, Field& field, std::uint64_t shown);
+  /// The level that follows the last one.
+  int GetNextLevel(const Field& field) const;
+  bool IsCurrent(std::uint64_t change) const;
+  bool MayRefine(std::uint64_t change) const;
+  /// Whether the last surface is of a sample at its finest level, and may have exact layers.
+  bool MayGrow(std::uint64_t change) const;
+  /// Waits for the prepared surface. Collective.
+  Preparation Wait(Communicator& ranks, double seconds, std::uint64_t change);
+  /// Goes on with exact layers of a sample. Collective.
+  Refinement PrepareGrowth(Communicator& ranks, const Preparation& prepared);
+  /// Begins to extract a finer level, unless it is too large. Collective.
+  Status BeginLevel(Communicator& ranks);
+  /// What the next level takes, and the finest level that fits into memory. Collective.
+  Status FindFittingLevel(Communicator& ranks, bool& isSizeAccepted);
+
+  const std::function<std::uint64_t()> FindFreeMemory;
+  Pass Last;
+  Refinement Next; ///< of the surface that follows
+};
+
+} // namespace isosurface
+
+#endif
