@@ -109,12 +109,6 @@ void FillAttribute(
 
 } // namespace
 
-bool InterpolatedArray::operator==(const InterpolatedArray& other) const
-{
-  return this->Name == other.Name && this->Layout.Type == other.Layout.Type &&
-    this->Layout.NumberOfComponents == other.Layout.NumberOfComponents;
-}
-
 void MoveToPolyData(Surface& surface, const std::vector<InterpolatedArray>& arrays,
   const std::string& scalarsName, vtkPolyData* output)
 {

@@ -4,7 +4,7 @@
 
 #include "IsosurfaceBridgeModule.h"
 
-#include "Surface/Contour/Surface.h"
+#include "Surface/Contour/InterpolatedArray.h"
 
 #include <string>
 #include <vector>
@@ -13,17 +13,6 @@ class vtkPolyData;
 
 namespace isosurface
 {
-
-/// A point array of the surface.
-struct InterpolatedArray
-{
-  std::string Name;
-  std::vector<std::string> ComponentNames; ///< of all components, or none
-  AttributeLayout Layout;
-
-  /// Names of components may differ.
-  ISOSURFACEBRIDGE_EXPORT bool operator==(const InterpolatedArray& other) const;
-};
 
 /**
  * Hands a surface over to a vtkPolyData, without copying: points, polygons, GlobalIds, Normals, the

@@ -9,7 +9,7 @@
 #include "vtkNew.h"
 
 #include "Ranks/Islands/IslandChoice.h"
-#include "Ranks/Query/QueryCost.h"
+#include "Ranks/Query/LevelExtraction.h"
 
 #include <cstddef>
 #include <cstdint>

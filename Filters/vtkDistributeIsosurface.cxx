@@ -15,13 +15,12 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayRanges.h"
-#include "ContourBlocks.h"
-#include "ContourHeader.h"
-#include "ContourIslands.h"
+#include "CollectContourBlocks.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "ImageSamples.h"
 #include "MatchVTK.h"
+#include "Ranks/Query/ContourIslands.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "SurfaceFieldData.h"
 #include "SurfacePolyData.h"
@@ -228,7 +227,9 @@ Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
     mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
     return mine;
   };
-  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, describe);
+  isosurface::ContourRequest request;
+  isosurface::MatchVTK(request);
+  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, request, describe);
 }
 
 //------------------------------------------------------------------------------

@@ -14,14 +14,14 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
-#include "ContourBlocks.h"
-#include "ContourHeader.h"
-#include "ContourIslands.h"
+#include "CollectContourBlocks.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/PrintableText.h"
+#include "MatchVTK.h"
+#include "Ranks/Query/ContourIslands.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -276,7 +276,9 @@ Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(const ContourBlock
     }
     return header;
   };
-  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, describe);
+  isosurface::ContourRequest request;
+  isosurface::MatchVTK(request);
+  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, request, describe);
 }
 
 //------------------------------------------------------------------------------

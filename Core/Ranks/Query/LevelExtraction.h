@@ -2,21 +2,31 @@
 #ifndef isosurface_LevelExtraction_h
 #define isosurface_LevelExtraction_h
 
-#include "Ranks/Query/QueryCost.h"
-
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
+#include "Storage/Store/QueryStatistics.h"
 #include "Surface/Contour/Surface.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace isosurface
 {
+
+/// The cost of a query on one rank.
+struct QueryCost
+{
+  QueryStatistics Reading;
+  std::uint64_t Triangles = 0;
+  int Level = 0;                     ///< of the surface
+  std::optional<LevelChoice> Choice; ///< of the level, within a budget
+  double ExtractSeconds = 0; ///< wall clock of extraction, with the reading that it waited for
+};
 
 /// What to extract of a blocked volume, and how.
 struct ExtractionTask

@@ -3,10 +3,10 @@
 #define isosurface_ContourIslands_h
 
 #include "Coding/EdgeIndex/EdgeIndexHeader.h"
-#include "ContourBlocks.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ranks/Query/ContourBlocks.h"
 
 namespace isosurface
 {

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ContourBlocks.h"
+#include "Ranks/Query/ContourBlocks.h"
 
-#include "ContourExecution.h"
-#include "ErrorReport.h"
-
-#include "vtkAlgorithm.h"
-
+#include "Ground/Base/Coding.h"
 #include "Ground/Volume/ChosenScalars.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Ranks/Query/MemoryContour.h"
-#include "Ranks/Sharing/StoreRecovery.h"
+#include "Ranks/Sharing/QueryPlan.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/StoredBlockSource.h"
 #include "Surface/Contour/BlockRanges.h"
@@ -82,29 +78,57 @@ Status Explain(const Status& error)
     : error;
 }
 
-} // namespace
+constexpr const char* NotDescribed = "the isosurface cannot be described to all ranks";
 
-Status CollectContourBlocks(vtkStabbingContour* contour, int piece, int pieces,
-  const std::optional<double>& time, ContourBlocks& blocks)
+void AppendText(Message& message, const std::string& text)
 {
-  return ContourExecution::Of(*contour).CollectBlocks(piece, pieces, time, blocks);
+  AppendVarint(message, text.size());
+  message.insert(message.end(), text.begin(), text.end());
 }
 
-Status RunWithContourBlocks(
-  vtkAlgorithm* reader, Communicator& ranks, const std::function<Status(ContourBlocks&)>& step)
+std::string ReadText(ByteReader& reader)
 {
-  ContourBlocks blocks;
-  std::string warning;
-  const Status status = RunWithReplicas(
-    ranks, [&] { return blocks.Volume.get(); }, warning,
-    [&]
+  const auto size = std::min<std::uint64_t>(reader.ReadVarint(), reader.GetRemaining());
+  const std::uint8_t* text = reader.ReadBytes(static_cast<std::size_t>(size));
+  return text ? std::string(text, text + size) : std::string();
+}
+
+Message PackArrays(const std::vector<InterpolatedArray>& arrays)
+{
+  Message message;
+  for (const InterpolatedArray& array : arrays)
+  {
+    AppendText(message, array.Name);
+    message.push_back(static_cast<std::uint8_t>(array.Layout.Type));
+    AppendVarint(message, static_cast<std::uint64_t>(array.Layout.NumberOfComponents));
+    AppendVarint(message, array.ComponentNames.size());
+    for (const std::string& name : array.ComponentNames)
     {
-      blocks = ContourBlocks();
-      return step(blocks);
-    });
-  ReportWarning(reader, ranks, status, warning);
-  return status;
+      AppendText(message, name);
+    }
+  }
+  return message;
 }
+
+std::vector<InterpolatedArray> ReadArrays(const Message& message)
+{
+  std::vector<InterpolatedArray> arrays;
+  ByteReader reader(message);
+  while (reader.GetRemaining() > 0)
+  {
+    InterpolatedArray& array = arrays.emplace_back();
+    array.Name = ReadText(reader);
+    array.Layout.Type = static_cast<ValueType>(reader.Read<std::uint8_t>());
+    array.Layout.NumberOfComponents = reader.ReadVarint<int>();
+    for (std::uint64_t left = reader.ReadVarint(); left > 0 && reader.GetRemaining() > 0; --left)
+    {
+      array.ComponentNames.push_back(ReadText(reader));
+    }
+  }
+  return arrays;
+}
+
+} // namespace
 
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
   int level, ContourBlocks& blocks)
@@ -190,6 +214,92 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
     return Status::Ok();
   };
   return AttemptOnAll(ranks, NotCollected, tell);
+}
+
+EdgeIndexHeader DescribeContourBlocks(
+  const ContourBlocks& blocks, double arrayError, double normalError)
+{
+  EdgeIndexHeader header;
+  header.Geometry = blocks.Grid;
+  header.Type = blocks.Source->GetValueType();
+  header.Isovalues = blocks.Isovalues;
+  header.ClosedSides = blocks.ClosedSides;
+  header.Array = blocks.ArrayName;
+  header.Source = blocks.Origin;
+  header.Time = blocks.Time;
+  for (const InterpolatedArray& array : blocks.Arrays)
+  {
+    header.Attributes.push_back({ array.Name, GetInterpolatedType(array.Layout.Type),
+      array.Layout.NumberOfComponents, arrayError, false });
+  }
+  if (blocks.Normals)
+  {
+    header.Attributes.push_back({ "Normals", ValueType::Float32, 3, normalError, true });
+  }
+  return header;
+}
+
+Result<EdgeIndexHeader> ShareHeader(Communicator& ranks, bool hasSamples,
+  const ContourRequest& request, const std::function<EdgeIndexHeader()>& describe)
+{
+  EdgeIndexHeader header;
+  Message mine;
+  const auto pack = [&]() -> Status
+  {
+    header = describe();
+    header.TakeLosslessIfBoundIsTooFine();
+    ISOSURFACE_RETURN_IF_ERROR(header.Check());
+    if (hasSamples)
+    {
+      header.Append(mine);
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, pack));
+  const std::vector<Message> messages = ranks.AllGather(mine);
+  const auto take = [&]() -> Status
+  {
+    const auto first = std::find_if(
+      messages.begin(), messages.end(), [](const Message& message) { return !message.empty(); });
+    if (first != messages.end())
+    {
+      std::size_t used = 0;
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        header, EdgeIndexHeader::Parse(first->data(), first->size(), used));
+    }
+    for (EdgeIndexAttribute& attribute : header.Attributes)
+    {
+      // The bytes do not say it.
+      attribute.NormalsRoundedOnce = request.NormalsRoundedOnce;
+      attribute.NormalsByDirection = request.NormalsByDirection;
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, take));
+  return header;
+}
+
+Result<std::vector<InterpolatedArray>> ShareArrays(Communicator& ranks, const ContourBlocks& blocks)
+{
+  Message mine;
+  const auto pack = [&]
+  {
+    mine = blocks.HasSamples ? PackArrays(blocks.Arrays) : Message();
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, pack));
+  const std::vector<Message> messages = ranks.AllGather(mine);
+  std::vector<InterpolatedArray> arrays;
+  const auto take = [&]
+  {
+    for (std::size_t rank = 0; arrays.empty() && rank < messages.size(); ++rank)
+    {
+      arrays = ReadArrays(messages[rank]);
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, take));
+  return arrays;
 }
 
 } // namespace isosurface

@@ -2,8 +2,7 @@
 #ifndef isosurface_ContourBlocks_h
 #define isosurface_ContourBlocks_h
 
-#include "IsosurfaceFiltersModule.h"
-
+#include "Coding/EdgeIndex/EdgeIndexHeader.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
@@ -11,7 +10,7 @@
 #include "Ground/Volume/PointPrecision.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Ranks/Islands/IslandChoice.h"
-#include "SurfacePolyData.h"
+#include "Surface/Contour/InterpolatedArray.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -21,9 +20,6 @@
 #include <string>
 #include <vector>
 
-class vtkAlgorithm;
-class vtkStabbingContour;
-
 namespace isosurface
 {
 
@@ -32,7 +28,7 @@ struct MemoryQuery;
 struct SurfaceQuery;
 
 /**
- * What a vtkStabbingContour contours on one rank, block by block: all that a consumer needs that
+ * What is contoured on one rank, block by block: all that a consumer needs that
  * takes a surface piece by piece. Blocks are read when they are asked for, so such a consumer needs
  * memory for as many as it has at once.
  */
@@ -68,30 +64,6 @@ struct ContourBlocks
   std::shared_ptr<BlockedVolume> Volume; ///< that has the blocks; null if images have them
 };
 
-/**
- * What the filter would contour for one of several pieces, block by block. Brings the filter's
- * input up to date for that piece, at that time if one is given; neither makes nor changes the
- * filter's output. Isovalues, region, arrays and level are those of the filter's properties;
- * `blocks` says whether normals and attributes are wanted. Collective.
- *
- * Of a blocked volume the blocks are those of Level, or of the finest coarser level that keeps to
- * MaximumTriangles as far as the contour spectrum can tell. TimeBudget and Progressive have no
- * effect, nor have the options that say what becomes of the blocks: DropDegenerateTriangles and
- * GenerateTriangles.
- *
- * Errors, on all ranks: an input that failed; those of the filter itself.
- */
-ISOSURFACEFILTERS_EXPORT Status CollectContourBlocks(vtkStabbingContour* contour, int piece,
-  int pieces, const std::optional<double>& time, ContourBlocks& blocks);
-
-/**
- * Runs a step that collects blocks and reads them, and once more where it failed since stores were
- * lost or damaged meanwhile, as RunWithReplicas does. Rank 0 warns of such stores, as `reader`, if
- * all ends well. `step(blocks)` gets new blocks each time. Collective if the step is.
- */
-ISOSURFACEFILTERS_EXPORT Status RunWithContourBlocks(
-  vtkAlgorithm* reader, Communicator& ranks, const std::function<Status(ContourBlocks&)>& step);
-
 /// The active blocks of the query's share of a level. Fills in what follows from them; Isovalues,
 /// ArrayName and Arrays are there. Not collective.
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
@@ -100,6 +72,21 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const S
 /// The same of grids of which all ranks have pieces; Arrays are those of the pieces' attributes.
 /// Collective.
 Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks& blocks);
+
+/// What an edge-index stream of these blocks says of them; its settings are left as they are. The errors are
+/// the maximum ones of a value of the arrays, and of a component of the normals.
+EdgeIndexHeader DescribeContourBlocks(
+  const ContourBlocks& blocks, double arrayError, double normalError);
+
+/// What `describe` gives on the first rank that has samples, which others do not know all of. Normals
+/// are those of `request`. Collective. Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory.
+Result<EdgeIndexHeader> ShareHeader(Communicator& ranks, bool hasSamples,
+  const ContourRequest& request, const std::function<EdgeIndexHeader()>& describe);
+
+/// The interpolated arrays, which ranks without samples do not know. Collective. Error of any rank:
+/// OutOfMemory.
+Result<std::vector<InterpolatedArray>> ShareArrays(
+  Communicator& ranks, const ContourBlocks& blocks);
 
 } // namespace isosurface
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ContourIslands.h"
+#include "Ranks/Query/ContourIslands.h"
 
 #include "Coding/EdgeIndex/BlockIslands.h"
 #include "Coding/EdgeIndex/PreviewBlocks.h"
