@@ -322,13 +322,13 @@ TEST(StabbingContourIslands, RefuseWhatIsNoNumber)
   ExpectOneError(errors, { "IslandPoint" });
 }
 
-TEST(StabbingContourIslands, AreRefusedByThoseWhoTakeBlocks)
+TEST(StabbingContourIslands, IdsAreRefusedByThoseWhoTakeBlocks)
 {
   const auto contour = MakeContour(MakeIslands(), IslandValue);
-  contour->SetMaximumIslands(2);
+  contour->ComputeIslandIdsOn();
   vtkNew<vtkDistributeIsosurface> distribute;
   distribute->SetInputConnection(contour->GetOutputPort());
   const ErrorCounter errors(distribute);
   distribute->Update();
-  ExpectOneError(errors, { "MaximumIslands", "block by block" });
+  ExpectOneError(errors, { "ComputeIslandIds", "arrays of triangles" });
 }
