@@ -160,6 +160,19 @@ std::vector<double> ReadNumbers(FileSystem& files, const std::string& folder, st
   return numbers;
 }
 
+/// The numbers of the array beside another one that has the name of an axis, and their unit.
+std::vector<double> ReadCoordinates(FileSystem& files, const std::string& folder,
+  const std::string& name, std::int64_t size, std::string& unit)
+{
+  const std::string path = (std::filesystem::path(folder).parent_path() / name).string();
+  const bool isName =
+    !name.empty() && name.find('/') == std::string::npos && name.find("..") == std::string::npos;
+  std::vector<double> numbers =
+    isName && path != folder ? ReadNumbers(files, path, size) : std::vector<double>();
+  unit = numbers.empty() ? "" : FindJsonText(ReadNode(files, path).Attributes, "units");
+  return numbers;
+}
+
 /// The distance of numbers in equal steps, to a thousandth of one; nothing if there is none.
 std::optional<double> FindStep(const std::vector<double>& numbers)
 {
@@ -242,21 +255,16 @@ ZarrPlace FindZarrPlace(
 void TakeCoordinates(FileSystem& files, const std::string& folder,
   const std::array<std::string, 3>& names, GridGeometry& grid, std::string& told)
 {
-  const std::filesystem::path group = std::filesystem::path(folder).parent_path();
   std::array<std::string, 3> units;
   for (std::size_t axis = 0; axis < 3; ++axis)
   {
-    const bool isName = !names[axis].empty() && names[axis].find('/') == std::string::npos &&
-      names[axis].find("..") == std::string::npos;
-    const std::string path = (group / names[axis]).string();
     const std::int64_t size = grid.GetDimensions()[axis];
     const std::vector<double> numbers =
-      isName && path != folder ? ReadNumbers(files, path, size) : std::vector<double>();
+      ReadCoordinates(files, folder, names[axis], size, units[axis]);
     if (numbers.empty())
     {
       continue;
     }
-    units[axis] = FindJsonText(ReadNode(files, path).Attributes, "units");
     const auto step = size > 1 ? FindStep(numbers) : std::optional(grid.Spacing[axis]);
     if (!step)
     {
@@ -270,6 +278,23 @@ void TakeCoordinates(FileSystem& files, const std::string& folder,
     grid.Direction[4 * axis] = *step < 0 ? -1 : 1;
   }
   TakeLengthUnits(units, grid, told);
+}
+
+void TakeTimes(FileSystem& files, const std::string& folder, const std::string& name,
+  std::vector<double>& times, std::string& told)
+{
+  std::string unit;
+  std::vector<double> numbers =
+    ReadCoordinates(files, folder, name, static_cast<std::int64_t>(times.size()), unit);
+  if (!numbers.empty() &&
+    std::all_of(numbers.begin(), numbers.end(), [](double time) { return std::isfinite(time); }))
+  {
+    times = std::move(numbers);
+  }
+  if (!unit.empty())
+  {
+    AddNote(told, "the unit of times, " + unit + ", is not kept");
+  }
 }
 
 } // namespace isosurface

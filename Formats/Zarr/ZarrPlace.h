@@ -46,6 +46,9 @@ ZarrPlace FindZarrPlace(
  */
 void TakeCoordinates(FileSystem& files, const std::string& folder,
   const std::array<std::string, 3>& names, GridGeometry& grid, std::string& told);
+/// Takes the coordinates of the time axis of that name, if they are one for each step.
+void TakeTimes(FileSystem& files, const std::string& folder, const std::string& name,
+  std::vector<double>& times, std::string& told);
 
 } // namespace isosurface
 

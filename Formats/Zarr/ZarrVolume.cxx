@@ -297,6 +297,11 @@ private:
       const auto of = [&names](int axis) { return names[static_cast<std::size_t>(axis)]; };
       TakeCoordinates(this->Files, folder, { of(this->Axes.X), of(this->Axes.Y), of(this->Axes.Z) },
         grid, this->Volume.LeftOut);
+      if (this->Axes.Time >= 0)
+      {
+        TakeTimes(
+          this->Files, folder, of(this->Axes.Time), this->Volume.Times, this->Volume.LeftOut);
+      }
     }
   }
 

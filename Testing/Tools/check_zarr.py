@@ -216,6 +216,17 @@ class LayoutsAndPlaces(SourceCase):
         zarr.open(self.path("x.zarr/air")).attrs["_ARRAY_DIMENSIONS"] = ["this", "that", "other"]
         self.assertIn("its axes, named this, that, other, are taken as zyx; --axes", self.convert("x.zarr")[2])
 
+    def test_coordinates_of_time_are_times(self):
+        create_group(self.path("t.zarr"))
+        steps = numpy.stack([make_samples("uint8", (9, 8, 7), phase=step) for step in range(2)])
+        for name, values, axes in (("air", steps, ["time", "z", "y", "x"]), ("time", numpy.array([2.5, 7]), ["time"])):
+            write_array_2(self.path(f"t.zarr/{name}"), values, values.shape)
+            zarr.open(self.path(f"t.zarr/{name}")).attrs.update({"_ARRAY_DIMENSIONS": axes, "units": "days since 1900"})
+        err = self.convert("t.zarr")[2]
+        self.assertIn("the unit of times, days since 1900, is not kept", err)
+        steps = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])["timeSteps"]
+        self.assertEqual([step["time"] for step in steps], [2.5, 7])
+
     def test_attributes_of_others_that_are_not_applied_are_told(self):
         write_array_2(self.path("a.zarr"), make_samples("int16"), (16, 20, 33))
         zarr.open(self.path("a.zarr")).attrs.update(
