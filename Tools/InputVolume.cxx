@@ -4,6 +4,7 @@
 #include "PipelineInput.h"
 
 #include "Formats/Opener/ForeignVolume.h"
+#include "Formats/Opener/VolumeFormat.h"
 #include "Formats/Source/FolderFiles.h"
 #include "Ground/Volume/VolumeName.h"
 
@@ -56,6 +57,10 @@ Result<InputVolume> InputVolume::Open(const BlockVolumeOptions& options, std::si
   if (!std::filesystem::is_directory(path, error))
   {
     ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
+  }
+  if (!options.Raw)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(CheckReadable(GetLocalFileSystem(), path));
   }
   const bool isFile = options.Raw || IsForeignVolume(GetLocalFileSystem(), options.Input);
   const bool isPlain = options.Raw || !isFile;

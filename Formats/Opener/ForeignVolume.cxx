@@ -19,6 +19,7 @@ Result<OpenedVolume> OpenFormat(
   const VolumeFormat* const format = FindVolumeFormat(files, name);
   if (!format)
   {
+    ISOSURFACE_RETURN_IF_ERROR(CheckReadable(files, name.Path));
     const std::string kind =
       SliceFiles::FindKind(IsPattern(files, name.Path) ? FindFittingNames(files, name.Path, nullptr)
                                                        : ListNames(files, name.Path));

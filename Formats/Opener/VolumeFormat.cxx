@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 namespace isosurface
 {
@@ -241,6 +242,16 @@ const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
                                                                : "";
   return marked ? marked
                 : FindFormat([other](const VolumeFormat& format) { return format.Name == other; });
+}
+
+Status CheckReadable(FileSystem& files, const std::string& path)
+{
+  const auto names = files.List(path);
+  const std::string header = FindNiftiHeader(path);
+  std::error_code error;
+  return names.IsOk() || !files.Exists(header)   ? Status::Ok()
+    : std::filesystem::is_directory(path, error) ? names.GetStatus()
+                                                 : files.OpenForReading(header).GetStatus();
 }
 
 std::vector<std::string> FindStepFiles(

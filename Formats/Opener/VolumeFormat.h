@@ -48,6 +48,9 @@ std::string ListFormatNames();
 /// exist have one if their extension tells.
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name);
 
+/// An error if there is a file or folder that cannot be read, which then has no format.
+Status CheckReadable(FileSystem& files, const std::string& path);
+
 /// The files of a pattern that are volumes of one format each, in the order of the numbers in their
 /// names: the time steps of a volume. None if it is no pattern, or if they are slices.
 std::vector<std::string> FindStepFiles(

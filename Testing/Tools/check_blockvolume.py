@@ -441,6 +441,22 @@ class ErrorsAreOneLine(Case):
         self.check("notes.md: no reader knows", "notes.md", "o.bvol")
         self.assertFalse(os.path.exists(os.path.join(SCRATCH, "o.bvol")))
 
+    def test_what_may_not_be_read_is_told_and_not_missing_empty_or_of_another_kind(self):
+        folder = os.path.join(SCRATCH, "private")
+        os.mkdir(folder)
+        shutil.copy(os.path.join(INPUTS, "a.nii.gz"), os.path.join(folder, "1"))
+        for name in ("p.hdr", "p.img"):
+            shutil.copy(os.path.join(folder, "1"), os.path.join(SCRATCH, name))
+        # root may read everything, but for these capabilities.
+        limits = ["setpriv", "--bounding-set=-dac_override,-dac_read_search"] if os.geteuid() == 0 else []
+        for locked, source in (("private", "private"), ("private/1", "private/1"), ("p.hdr", "p.hdr"), ("p.hdr", "p.img")):
+            os.chmod(os.path.join(SCRATCH, locked), 0)
+            for arguments in ([source, "o.bvol"], ["--in-place", source, "o.bvol"]):
+                code, out, err = run_command([*limits, TOOL, *arguments], MPIEXEC, SCRATCH)
+                verb = "list" if locked == "private" else "open"
+                self.assertEqual((code, out, err), (1, "", f"blockvolume: {locked}: cannot {verb}: Permission denied\n"))
+            os.chmod(os.path.join(SCRATCH, locked), 0o700)
+
     def test_output_that_is_the_input(self):
         with open(os.path.join(INPUTS, "a.raw"), "rb") as file:
             samples = file.read()
