@@ -79,7 +79,7 @@ void TellLengthUnit(vtkSMProxy* view)
     vtkSMProxy* shown = all.GetAsProxy(number);
     if (vtkSMPropertyHelper(shown, "Visibility", true).GetAsInt() != 0)
     {
-      units.insert(FindFieldText(shown, LengthUnitName));
+      units.insert(GetLengthUnitName(FindLengthUnit(FindFieldText(shown, LengthUnitName))));
     }
   }
   units.erase("");
