@@ -35,7 +35,7 @@ void ShiftIds(const EdgeIndexHeader& header, std::size_t isovalue, Buffer<std::i
   }
 }
 
-Result<std::vector<BlockIsland>> FindBlockIslands(
+Result<Surface> ExtractBlockSurface(
   const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue)
 {
   ContourRequest request = MakeContourRequest(header);
@@ -45,6 +45,14 @@ Result<std::vector<BlockIsland>> FindBlockIslands(
   SingleBlock source(scalars);
   ISOSURFACE_ASSIGN_OR_RETURN(Surface surface, ExtractSurface(header.Geometry, source, request, 1));
   ShiftIds(header, isovalue, surface.GlobalIds);
+  return surface;
+}
+
+Result<std::vector<BlockIsland>> FindBlockIslands(
+  const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue)
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const Surface surface, ExtractBlockSurface(header, samples, isovalue));
   const IslandLabels labels(surface, 1);
   std::vector<BlockIsland> islands(
     labels.GetNumberOfIslands(), { std::numeric_limits<std::int64_t>::max() });

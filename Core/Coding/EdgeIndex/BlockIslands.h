@@ -29,6 +29,10 @@ ContourRequest MakeContourRequest(const EdgeIndexHeader& header);
 /// before those of vertices.
 void ShiftIds(const EdgeIndexHeader& header, std::size_t isovalue, Buffer<std::int64_t>& ids);
 
+/// The surface that a block has alone, at one isovalue, with GlobalIds.
+Result<Surface> ExtractBlockSurface(
+  const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue);
+
 /// Those of a block at one isovalue, in the order of their FirstId. The samples are those to encode, or decoded
 /// ones. Errors: what ExtractSurface returns.
 Result<std::vector<BlockIsland>> FindBlockIslands(

@@ -5,6 +5,7 @@
 #include "Coding/BlockCoding/BytePlanes.h"
 #include "Coding/EdgeIndex/BlockIslands.h"
 #include "Coding/EdgeIndex/BlockRecordFormat.h"
+#include "Coding/EdgeIndex/IslandMask.h"
 #include "Coding/EdgeIndex/PointAttributes.h"
 #include "Coding/EdgeIndex/PreviewBlocks.h"
 #include "Coding/EdgeIndex/SampledBlock.h"
@@ -117,30 +118,33 @@ public:
     EdgeIndexMode mode, EdgeIndexRecord& record, std::vector<std::uint8_t>& bytes)
   {
     record.Block.NumberOfPoints = block.CountPoints();
-    if (header.KeptIds)
+    if (!header.KeptIds)
     {
-      ISOSURFACE_ASSIGN_OR_RETURN(
-        const auto islands, FindBlockIslands(header, samples, record.Block.Isovalue));
-      std::uint64_t points = 0;
-      for (const BlockIsland& island : islands)
-      {
-        const bool isKept =
-          std::binary_search(header.KeptIds->begin(), header.KeptIds->end(), island.FirstId);
-        record.AreKept.push_back(isKept);
-        points += isKept ? island.Points : 0;
-      }
-      if (points == 0)
-      {
-        return Status::Ok();
-      }
-      record.Block.LacksIslands =
-        std::find(record.AreKept.begin(), record.AreKept.end(), false) != record.AreKept.end();
-      if (record.Block.LacksIslands)
-      {
-        record.Block.NumberOfPoints = points;
-      }
+      this->Encode(block, mode, record, bytes);
+      return Status::Ok();
     }
-    this->Encode(block, mode, record, bytes);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const BlockSamples masked, MaskIslands(header, samples, record.Block.Isovalue));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto islands, FindBlockIslands(header, masked, record.Block.Isovalue));
+    std::uint64_t points = 0;
+    for (const BlockIsland& island : islands)
+    {
+      const bool isKept =
+        std::binary_search(header.KeptIds->begin(), header.KeptIds->end(), island.FirstId);
+      record.AreKept.push_back(isKept);
+      points += isKept ? island.Points : 0;
+    }
+    record.Block.LacksIslands =
+      std::find(record.AreKept.begin(), record.AreKept.end(), false) != record.AreKept.end();
+    SampledBlock rest(
+      masked.Scalars, header.Isovalues[record.Block.Isovalue], block.GetIntervals());
+    rest.SetAttributes(block.GetAttributes());
+    record.Block.NumberOfPoints = record.Block.LacksIslands ? points : rest.CountPoints();
+    if (points > 0)
+    {
+      this->Encode(rest, mode, record, bytes);
+    }
     return Status::Ok();
   }
 

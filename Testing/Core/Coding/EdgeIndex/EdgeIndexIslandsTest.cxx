@@ -214,6 +214,38 @@ TEST(EdgeIndexIslands, BlocksThatKeepAllHaveNoMoreBytesAndOnesThatKeepNoneHaveNo
   EXPECT_EQ(Require(EncodeSurface(header, source, 1)), headerBytes);
 }
 
+TEST(EdgeIndexIslands, DustWithinABlockTakesNoBytes)
+{
+  const auto ball = [](auto i, auto j, auto k)
+  { return 200 - ((i - 20) * (i - 20) + (j - 18) * (j - 18) + (k - 17) * (k - 17)) / 2; };
+  SampleVolume<std::int16_t> clean({ 41, 38, 35 }, ball);
+  SampleVolume<std::int16_t> dusty = clean;
+  for (std::int64_t n = 8; n < 27; n += 3)
+  {
+    dusty.At(n, 2, 2) = dusty.At(n, 35, 30) = 150;
+    dusty.At(20, 18, n) = -50; // pores
+  }
+  dusty.At(19, 18, 17) = dusty.At(20, 17, 17) = -50;
+  for (const EdgeIndexMode mode : { EdgeIndexMode::Lossless, EdgeIndexMode::Smallest })
+  {
+    EdgeIndexHeader header = MakeHeader(clean, { 100 }, mode, EdgeIndexProfile::Small);
+    TestBlockSource<std::int16_t> cleanSource(clean, 64);
+    TestBlockSource<std::int16_t> dustySource(dusty, 64);
+    const Surface expected =
+      Require(ExtractSurface(clean.Geometry, cleanSource, MakeRequest({ 100 }), 1));
+    auto bytes = Require(EncodeSurface(header, cleanSource, 1));
+    std::vector<std::int64_t> ids(expected.GlobalIds.begin(), expected.GlobalIds.end());
+    std::sort(ids.begin(), ids.end());
+    header.LacksIslands = true;
+    header.KeptIds = std::make_shared<const std::vector<std::int64_t>>(ids);
+    const auto lacking = Require(EncodeSurface(header, dustySource, 1));
+    ASSERT_EQ(lacking.size(), bytes.size());
+    std::size_t headerSize = 0;
+    Require(EdgeIndexHeader::Parse(bytes.data(), bytes.size(), headerSize));
+    EXPECT_TRUE(std::equal(bytes.begin() + headerSize, bytes.end(), lacking.begin() + headerSize));
+  }
+}
+
 TEST(EdgeIndexIslands, WrongNumbersOfIslandsAndBitsBeyondThemAreCorrupt)
 {
   EXPECT_TRUE(DecodeChanged([](EdgeIndexRecord&, auto&) {}).IsOk());
