@@ -108,7 +108,7 @@ class CoordinatesAndErrors(Files):
         self.assert_equal_volumes(self.write("o.nc", "o.bvol"), self.write_raw(samples, "data"))
 
     def test_names_of_dimensions_say_what_axes_are_or_the_axes_are_told(self):
-        for names, axes, told in (("xyz", "xyz", ""), ("czyx", "czyx", ""), ("az?x", "tzyx", "named a, z, ?, x, are"),
+        for names, axes, told in (("xyz", "xyz", ""), ("czyx", "czyx", ""), ("azfx", "tzyx", "named a, z, f, x, are"),
                                   ("abd", "zyx", "taken as zyx; --axes")):
             shape = (2, 9, 8, 7)[-len(names):]
             with netCDF4.Dataset(self.path("n.nc"), "w") as file:
