@@ -40,7 +40,7 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   if (this->Sample.Volume)
   {
     this->Finished = std::shared_ptr<FinishedLayers>(
-      new FinishedLayers(place, OpenForeignVolume, this->Index.Path),
+      new FinishedLayers(place, OpenForeignVolume, this->Index.Path, this->Index.Place),
       [memory = this->Memory](FinishedLayers* layers) { delete layers; });
   }
   this->Writing = std::make_unique<CollectiveTask>(ranks, this->Index.Source,
@@ -71,10 +71,10 @@ bool GrowingIndex::IsCurrent() const
   return state.IsOk() && *state == IndexState::Current;
 }
 
-Result<std::shared_ptr<BlockedVolume>> GrowingIndex::Open() const
+Result<std::shared_ptr<BlockedVolume>> GrowingIndex::Open(const GridPlace& place) const
 {
   auto opened = BlockedVolume::Open(this->Index.Path, this->Memory ? *this->Memory : this->Files,
-    BlockCache::GetProcessCache(), OpenForeignVolume);
+    BlockCache::GetProcessCache(), OpenForeignVolume, place);
   if (!opened.IsOk() || !this->Memory)
   {
     return opened;

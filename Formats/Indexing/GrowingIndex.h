@@ -92,7 +92,7 @@ public:
   /// Whether the index is not in its place.
   bool IsInMemory() const { return this->Memory != nullptr; }
   /// The volume, which stays valid without this object. Only after it has ended well.
-  Result<std::shared_ptr<BlockedVolume>> Open() const;
+  Result<std::shared_ptr<BlockedVolume>> Open(const GridPlace& place) const;
 
 private:
   /// Each rank tells the others what it has sampled, now and then.

@@ -155,7 +155,7 @@ SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
     file += ".index";
   }
   const std::filesystem::path parent = folder.empty() ? source.parent_path() : MakeAbsolute(folder);
-  return { name.GetText(), axes, (parent / (file + ".bvol")).string() };
+  return { name.GetText(), axes, (parent / (file + ".bvol")).string(), {} };
 }
 
 bool CanBeIndexed(FileSystem& files, const std::string& chosen)

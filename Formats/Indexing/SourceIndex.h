@@ -6,6 +6,7 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/GridPlace.h"
 
 #include <array>
 #include <cstdint>
@@ -26,6 +27,7 @@ struct SourceIndex
   std::string Source; ///< VolumeName
   std::string Axes;   ///< VolumeChoice::Axes
   std::string Path;   ///< of the .bvol
+  GridPlace Place{};  ///< what changes its grid when it is shown; the file has that of the source
 
   /**
    * Finds the names. `chosen`: a file, a folder of Zarr or N5, or one of the metadata files of such
@@ -38,6 +40,7 @@ struct SourceIndex
   static SourceIndex Find(FileSystem& files, const std::string& chosen, const std::string& dataset,
     const std::string& axes, const std::string& folder);
 
+  /// Whether both have the same names.
   bool operator==(const SourceIndex& other) const
   {
     return this->Source == other.Source && this->Axes == other.Axes && this->Path == other.Path;

@@ -115,11 +115,13 @@ Result<SourceSample> MakeSourceSample(FileSystem& files, const SourceIndex& inde
   {
     settings.Lines = MakeLines(*of.Lines, lattice);
   }
+  GridGeometry grid = of.Grid;
+  ISOSURFACE_RETURN_IF_ERROR(index.Place.Apply(index.Source, of.Lines.has_value(), grid));
   const std::string path = index.Path + "-sample";
   const auto memory = std::make_shared<VolumeInMemory>(files, path);
   SerialCommunicator alone;
   ISOSURFACE_RETURN_IF_ERROR(BlockedVolumeWriter(alone, memory->Files)
-                               .Write(path, MakeGrid(of.Grid, lattice), of.Arrays, piece, settings)
+                               .Write(path, MakeGrid(grid, lattice), of.Arrays, piece, settings)
                                .GetStatus());
   ISOSURFACE_ASSIGN_OR_RETURN(memory->Volume, BlockedVolume::Open(path, memory->Files));
   SourceSample sample;

@@ -27,7 +27,10 @@ void StoredField::Ask(
 {
   const bool isSameStep = this->Task.Query.TimeStep == task.Query.TimeStep;
   this->Same = isSameStep && this->GetVolume() == task.Volume;
-  this->OfLastSample = isSameStep && this->Sampled == task.Volume->GetPath();
+  const FinishedLayers* const layers = this->Layers ? this->Layers->Finished.get() : nullptr;
+  const bool isPlacedElsewhere = layers && layers->CountSlices() > 0 &&
+    layers->GetHeader().Grid != task.Volume->GetHeader().Grid;
+  this->OfLastSample = isSameStep && !isPlacedElsewhere && this->Sampled == task.Volume->GetPath();
   this->Volume = task.Volume;
   this->Task = task;
   this->Task.Volume = nullptr;

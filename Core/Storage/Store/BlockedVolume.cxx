@@ -34,7 +34,8 @@ BlockedVolume::~BlockedVolume()
 }
 
 Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& path,
-  FileSystem& fileSystem, std::shared_ptr<BlockCache> cache, VolumeOpener opener)
+  FileSystem& fileSystem, std::shared_ptr<BlockCache> cache, VolumeOpener opener,
+  const GridPlace& place)
 {
   return RunWithinMemory(path, NoMemoryReason,
     [&]() -> Result<std::shared_ptr<BlockedVolume>>
@@ -47,8 +48,10 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& pa
         return Status(StatusCode::NotFound,
           path + ": its folder " + stores + " is missing; copy or move both together");
       }
+      const GridGeometry found = header.Grid;
+      ISOSURFACE_RETURN_IF_ERROR(place.Apply(path, header.Lines.has_value(), header.Grid));
       return std::shared_ptr<BlockedVolume>(
-        new BlockedVolume({ path, text, std::move(header) }, fileSystem, cache, opener));
+        new BlockedVolume({ path, text, std::move(header), found }, fileSystem, cache, opener));
     });
 }
 

@@ -49,12 +49,12 @@ class BlockedVolume : public VolumeLayout
 {
 public:
   /// Reads and checks the header. `opener`: for the samples of a volume in place, which are
-  /// Unsupported without it. Cost: one file of a few KiB. A missing file is NotFound, a newer format
-  /// version Unsupported.
+  /// Unsupported without it. `place`: what changes its grid. Cost: one file of a few KiB. A missing file
+  /// is NotFound, a newer format version Unsupported, an impossible place InvalidArgument.
   static Result<std::shared_ptr<BlockedVolume>> Open(const std::string& path,
     FileSystem& fileSystem = GetLocalFileSystem(),
     std::shared_ptr<BlockCache> cache = BlockCache::GetProcessCache(),
-    VolumeOpener opener = nullptr);
+    VolumeOpener opener = nullptr, const GridPlace& place = {});
   BlockedVolume(const BlockedVolume&) = delete;
   BlockedVolume& operator=(const BlockedVolume&) = delete;
   ~BlockedVolume();

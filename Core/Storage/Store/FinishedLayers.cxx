@@ -73,10 +73,12 @@ private:
   const ReadComponents Read;
 };
 
-FinishedLayers::FinishedLayers(FileSystem& files, VolumeOpener opener, std::string path)
+FinishedLayers::FinishedLayers(
+  FileSystem& files, VolumeOpener opener, std::string path, const GridPlace& place)
   : Files(files)
   , Opener(opener)
   , Path(std::move(path))
+  , Place(place)
 {
 }
 
@@ -86,6 +88,8 @@ void FinishedLayers::Add(const BlockedVolumeHeader& volume, FinishedBlocks block
   if (this->Ranges.empty())
   {
     this->Header = volume;
+    // The sample, which is shown before, has told of an impossible one.
+    static_cast<void>(this->Place.Apply(this->Path, volume.Lines.has_value(), this->Header.Grid));
     this->Grid = volume.GetBlockGrid();
   }
   for (auto& [folder, entries] : blocks.Records)

@@ -5,6 +5,7 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
+#include "Ground/Volume/GridPlace.h"
 #include "Ground/Volume/ValueKey.h"
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Record/DecodedBlock.h"
@@ -40,8 +41,10 @@ namespace isosurface
 class FinishedLayers
 {
 public:
-  /// `path`: of the volume. `files` must outlive this object.
-  FinishedLayers(FileSystem& files, VolumeOpener opener, std::string path);
+  /// `path`: of the volume. `files` must outlive this object. `place`: what changes the grid that is
+  /// written.
+  FinishedLayers(
+    FileSystem& files, VolumeOpener opener, std::string path, const GridPlace& place = {});
   /// The next blocks of the first time step of a volume.
   void Add(const BlockedVolumeHeader& volume, FinishedBlocks blocks);
   /// Nothing is added any more.
@@ -79,6 +82,7 @@ private:
   FileSystem& Files;
   const VolumeOpener Opener;
   const std::string Path;
+  const GridPlace Place;
   BlockedVolumeHeader Header;
   BlockGrid Grid;
   std::atomic<bool> IsEnded = false;

@@ -2,6 +2,7 @@
 #include "Storage/Store/VolumeLayout.h"
 
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/Fingerprint.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -23,6 +24,18 @@ std::string FindCanonicalPath(const std::string& path)
   return error ? path : canonical.string();
 }
 
+std::uint64_t ComputeFingerprint(
+  const std::string& headerEnd, std::uint64_t headerSize, const GridGeometry& grid)
+{
+  isosurface::Fingerprint fingerprint;
+  fingerprint.AddText(headerEnd);
+  fingerprint.AddNumber(headerSize);
+  fingerprint.AddReals(grid.Spacing);
+  fingerprint.AddReals(grid.Origin);
+  fingerprint.AddNumber(static_cast<std::uint64_t>(grid.Unit));
+  return fingerprint.Get();
+}
+
 /// Identifies the contents of a time step of the volume at a canonical path.
 std::uint64_t ComputeIdentity(const std::string& place, const TimeStepDescription& step)
 {
@@ -37,11 +50,13 @@ std::uint64_t ComputeIdentity(const std::string& place, const TimeStepDescriptio
 
 } // namespace
 
-VolumeLayout::VolumeLayout(std::string path, const std::string& text, BlockedVolumeHeader header)
+VolumeLayout::VolumeLayout(
+  std::string path, const std::string& text, BlockedVolumeHeader header, const GridGeometry& found)
   : Path(std::move(path))
   , HeaderSize(text.size())
   , HeaderEnd(text.substr(text.size() - std::min(text.size(), EndSize)))
-  , Fingerprint(ComputeChecksum(HeaderEnd.data(), HeaderEnd.size(), HeaderSize))
+  , FoundGrid(found)
+  , Fingerprint(ComputeFingerprint(HeaderEnd, HeaderSize, header.Grid))
   , Variables(header.GetVariables())
 {
   const std::string place = FindCanonicalPath(this->Path);

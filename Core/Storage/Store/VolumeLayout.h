@@ -5,6 +5,7 @@
 #include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/GridPlace.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockReference.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
@@ -30,16 +31,20 @@ struct VolumePart
 class VolumeLayout
 {
 public:
-  /// `text`: that of the header's file.
-  VolumeLayout(std::string path, const std::string& text, BlockedVolumeHeader header);
+  /// `text`: that of the header's file. `found`: the grid there, if the one of `header` is another.
+  VolumeLayout(std::string path, const std::string& text, BlockedVolumeHeader header,
+    const GridGeometry& found);
 
   const std::string& GetPath() const { return this->Path; }
   /// The bytes of the header's file, and its last ones, which have the checksum of all others.
   std::uint64_t GetHeaderSize() const { return this->HeaderSize; }
   const std::string& GetHeaderEnd() const { return this->HeaderEnd; }
   const BlockedVolumeHeader& GetHeader() const { return this->Parts.front().Header; }
+  /// The grid of the header's file, whatever GridPlace has changed.
+  const GridGeometry& GetFoundGrid() const { return this->FoundGrid; }
   /// Differs between volumes with different headers: other contents, another write (whose time
-  /// steps are in other folders), another number of time steps. It does not depend on the path.
+  /// steps are in other folders), another number of time steps, another place. It does not depend on
+  /// the path.
   std::uint64_t GetFingerprint() const { return this->Fingerprint; }
   /// The components and magnitudes that can be contoured and read.
   const ArrayVariables& GetVariables() const { return this->Variables; }
@@ -76,6 +81,7 @@ private:
   std::string Path;
   std::uint64_t HeaderSize;
   std::string HeaderEnd;
+  GridGeometry FoundGrid;
   std::uint64_t Fingerprint;
   ArrayVariables Variables;
   std::vector<VolumePart> Parts;

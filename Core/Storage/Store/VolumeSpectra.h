@@ -4,6 +4,7 @@
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/GridPlace.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/SpectraFile.h"
@@ -33,16 +34,21 @@ public:
   /// What the file has in its header: it belongs to these stores, whose checksums are known.
   static std::uint64_t GetIdentity(const TimeStepDescription& step);
 
-  /// Reads the spectra of the whole volume from a time step's folder.
+  /// Reads the spectra of the whole volume from a time step's folder. `scale`: from the grid in the file
+  /// to that of the volume; an area that it does not tell becomes unknown.
   static Result<std::shared_ptr<const VolumeSpectra>> Read(FileSystem& files,
-    const std::string& volumePath, const TimeStepDescription& step, std::size_t variables);
+    const std::string& volumePath, const TimeStepDescription& step, std::size_t variables,
+    const GridScale& scale = {});
 
   const Spectrum& GetTotal(std::size_t variable) const { return this->Totals[variable]; }
   /// Reads the spectrum of a store.
   Result<Spectrum> GetStore(std::size_t variable, std::size_t store) const;
 
 private:
+  Spectrum Share(WorkloadSpectrum&& spectrum) const;
+
   std::unique_ptr<SpectraFile> File;
+  GridScale Scale;
   std::vector<Spectrum> Totals; ///< per variable
 };
 

@@ -344,7 +344,8 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(
   if (!kept)
   {
     auto spectra = VolumeSpectra::Read(this->Files, this->Layout.GetPath(),
-      header.TimeSteps[timeStep], this->Layout.GetVariables().GetCount());
+      header.TimeSteps[timeStep], this->Layout.GetVariables().GetCount(),
+      GridScale::Find(this->Layout.GetFoundGrid(), this->Layout.GetHeader().Grid));
     ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(timeStep));
     ISOSURFACE_RETURN_IF_ERROR(spectra.GetStatus());
     kept = *spectra;

@@ -443,7 +443,7 @@ TEST_P(GrowingIndexTest, IsKeptInMemoryByOneRankThatCannotWriteIt)
         ASSERT_TRUE(growing->GetStatus().IsOk()) << growing->GetStatus().GetMessage();
         EXPECT_TRUE(growing->IsCurrent());
         EXPECT_TRUE(growing->IsInMemory());
-        volume = Require(growing->Open());
+        volume = Require(growing->Open({}));
         EXPECT_EQ(ReadSamples(*volume), this->Volume.Samples);
         this->Disk.SetFile(GrowingSource + "/more", { 1 });
         EXPECT_FALSE(growing->IsCurrent());
