@@ -24,11 +24,13 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/PrintableText.h"
+#include "Ground/Volume/GridPlace.h"
 #include "ImageSamples.h"
 #include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -72,6 +74,21 @@ std::vector<std::size_t> FindEnabledArrays(
     }
   }
   return enabled;
+}
+
+constexpr const char* UnknownUnit = "unknown";
+
+/// Nothing, or three numbers.
+isosurface::Result<std::optional<std::array<double, 3>>> TakeThree(
+  const std::string& path, const char* name, const std::vector<double>& numbers)
+{
+  if (!numbers.empty() && numbers.size() != 3)
+  {
+    return Status(StatusCode::InvalidArgument,
+      path + ": " + name + " has " + std::to_string(numbers.size()) + " numbers in place of 3");
+  }
+  return numbers.empty() ? std::optional<std::array<double, 3>>()
+                         : std::array<double, 3>{ numbers[0], numbers[1], numbers[2] };
 }
 
 void TellTimes(const std::vector<double>& times, vtkInformation* outInfo)
@@ -133,6 +150,7 @@ vtkBlockedVolumeReader::vtkBlockedVolumeReader()
   , LocalStores(false)
   , MemoryLimit(256)
   , Level(0)
+  , LengthUnit(nullptr)
   , Controller(nullptr)
   , PointDataArraySelection(vtkSmartPointer<vtkDataArraySelection>::New())
   , Handle(vtkSmartPointer<vtkBlockedVolumeHandle>::New())
@@ -140,6 +158,7 @@ vtkBlockedVolumeReader::vtkBlockedVolumeReader()
   , IsErrorTold(false)
   , IsToldLate(false)
 {
+  this->TellGrid({});
   this->SetNumberOfInputPorts(0);
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
@@ -148,6 +167,7 @@ vtkBlockedVolumeReader::vtkBlockedVolumeReader()
 vtkBlockedVolumeReader::~vtkBlockedVolumeReader()
 {
   this->SetFileName(nullptr);
+  this->SetLengthUnit(nullptr);
   this->SetController(nullptr);
 }
 
@@ -196,6 +216,82 @@ void vtkBlockedVolumeReader::SetCacheSize(int mebibytes)
 int vtkBlockedVolumeReader::GetCacheSize()
 {
   return static_cast<int>(isosurface::BlockCache::GetProcessCache()->GetBudget() / Mebibyte);
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::SetSpacing(double x, double y, double z)
+{
+  this->Spacing = { x, y, z };
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::AddSpacing(double distance)
+{
+  this->Spacing.push_back(distance);
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::RemoveSpacing()
+{
+  if (!std::exchange(this->Spacing, {}).empty())
+  {
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::SetOrigin(double x, double y, double z)
+{
+  this->Origin = { x, y, z };
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::AddOrigin(double coordinate)
+{
+  this->Origin.push_back(coordinate);
+  this->Modified();
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::RemoveOrigin()
+{
+  if (!std::exchange(this->Origin, {}).empty())
+  {
+    this->Modified();
+  }
+}
+
+//------------------------------------------------------------------------------
+Status vtkBlockedVolumeReader::MakePlace(
+  const std::string& path, isosurface::GridPlace& place) const
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(place.Spacing, TakeThree(path, "Spacing", this->Spacing));
+  ISOSURFACE_ASSIGN_OR_RETURN(place.Origin, TakeThree(path, "Origin", this->Origin));
+  const std::string unit = this->LengthUnit ? this->LengthUnit : "";
+  if (!unit.empty())
+  {
+    place.Unit = isosurface::FindLengthUnit(unit);
+    if (place.Unit == isosurface::LengthUnit::Unknown && unit != UnknownUnit)
+    {
+      return Status(StatusCode::InvalidArgument,
+        path + ": LengthUnit: \"" + unit + "\" is no unit of length, as m, mm, um or inch");
+    }
+  }
+  return place.Check(path);
+}
+
+//------------------------------------------------------------------------------
+void vtkBlockedVolumeReader::TellGrid(const isosurface::GridGeometry& grid)
+{
+  std::transform(grid.Spacing.begin(), grid.Spacing.end(), this->FoundSpacing,
+    [](double distance) { return std::abs(distance); });
+  std::copy(grid.Origin.begin(), grid.Origin.end(), this->FoundOrigin);
+  this->FoundUnit = grid.Unit == isosurface::LengthUnit::Unknown
+    ? UnknownUnit
+    : isosurface::GetLengthUnitName(grid.Unit);
 }
 
 //------------------------------------------------------------------------------
@@ -252,8 +348,12 @@ bool vtkBlockedVolumeReader::OpenVolume()
   }
   else if (this->FileName && *this->FileName)
   {
-    volume = isosurface::BlockedVolume::Open(this->FileName, isosurface::GetLocalFileSystem(),
-      isosurface::BlockCache::GetProcessCache(), isosurface::OpenForeignVolume);
+    isosurface::GridPlace place;
+    const Status placed = this->MakePlace(this->FileName, place);
+    volume = placed.IsOk()
+      ? isosurface::BlockedVolume::Open(this->FileName, isosurface::GetLocalFileSystem(),
+          isosurface::BlockCache::GetProcessCache(), isosurface::OpenForeignVolume, place)
+      : placed;
   }
   if (!volume.IsOk())
   {
@@ -268,6 +368,10 @@ bool vtkBlockedVolumeReader::OpenVolume()
   this->Handle->SetSample(
     isSample ? this->StandIn->GetSampleText() : "", isSample ? this->StandIn->GetSampled() : "");
   this->Handle->SetFinished(isSample ? this->StandIn->GetFinished() : nullptr);
+  if (!isSample)
+  {
+    this->TellGrid((*volume)->GetFoundGrid());
+  }
   return true;
 }
 
@@ -419,6 +523,10 @@ int vtkBlockedVolumeReader::RequestData(
 std::vector<isosurface::CommonValue> vtkBlockedVolumeReader::Reading::MakeCommonValues(
   const vtkBlockedVolumeReader& reader, vtkInformation* outInfo)
 {
+  isosurface::Fingerprint grid;
+  grid.AddReals(reader.Spacing);
+  grid.AddReals(reader.Origin);
+  grid.AddText(reader.LengthUnit ? reader.LengthUnit : "");
   isosurface::Fingerprint properties;
   properties.AddNumber(static_cast<std::uint64_t>(reader.MemoryLimit));
   if (reader.Handle->GetVolume())
@@ -429,6 +537,7 @@ std::vector<isosurface::CommonValue> vtkBlockedVolumeReader::Reading::MakeCommon
     }
   }
   return {
+    { grid.Get(), "Spacing, Origin and LengthUnit of the reader are not the same on all ranks" },
     reader.Handle->MakeCommonValue(),
     { reader.Handle->FindTimeStep(outInfo), "the ranks ask for different time steps" },
     { properties.Get(), "the properties of the reader are not the same on all ranks" },
@@ -590,6 +699,9 @@ void vtkBlockedVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "LocalStores: " << this->LocalStores << "\n";
   os << indent << "CacheSize: " << this->GetCacheSize() << " MiB\n";
   os << indent << "Level: " << this->Level << "\n";
+  os << indent << "Spacing: " << this->Spacing.size() << " numbers\n";
+  os << indent << "Origin: " << this->Origin.size() << " numbers\n";
+  os << indent << "LengthUnit: " << (this->LengthUnit ? this->LengthUnit : "") << "\n";
   os << indent << "Controller: " << this->Controller << "\n";
   os << indent << "PointDataArraySelection:\n";
   this->PointDataArraySelection->PrintSelf(os, indent.GetNextIndent());

@@ -33,6 +33,13 @@ class vtkDataArraySelection;
 class vtkInformationBlockedVolumeKey;
 class vtkMultiProcessController;
 
+namespace isosurface
+{
+struct GridGeometry;
+struct GridPlace;
+class Status;
+}
+
 class ISOSURFACEREADERS_EXPORT vtkBlockedVolumeReader : public vtkPartitionedDataSetAlgorithm
 {
 public:
@@ -79,6 +86,32 @@ public:
   void SetLocalStores(bool local);
   vtkGetMacro(LocalStores, bool);
   vtkBooleanMacro(LocalStores, bool);
+  ///@}
+
+  ///@{
+  /**
+   * Where the samples are, in place of what the file says: their distances on each axis, above 0; the
+   * place of the vertex with coordinates (0, 0, 0); the unit of both, as "mm", or "unknown". Numbers are
+   * added one by one, three or none. What is not set is the file's, and so are the directions of the axes.
+   * Of a rectilinear grid the unit alone can be set.
+   */
+  void SetSpacing(double x, double y, double z);
+  void AddSpacing(double distance);
+  void RemoveSpacing();
+  void SetOrigin(double x, double y, double z);
+  void AddOrigin(double coordinate);
+  void RemoveOrigin();
+  vtkSetStringMacro(LengthUnit);
+  vtkGetStringMacro(LengthUnit);
+  ///@}
+
+  ///@{
+  /**
+   * What the file says of them. Known after RequestInformation.
+   */
+  vtkGetVector3Macro(FoundSpacing, double);
+  vtkGetVector3Macro(FoundOrigin, double);
+  vtkGetCharFromStdStringMacro(FoundUnit);
   ///@}
 
   ///@{
@@ -141,6 +174,15 @@ protected:
   void SetStandIn(vtkBlockedVolumeHandle* standIn);
 
   /**
+   * What is set of Spacing, Origin and LengthUnit. Errors name the file `path` and what is wrong with them.
+   */
+  isosurface::Status MakePlace(const std::string& path, isosurface::GridPlace& place) const;
+  /**
+   * Sets what the file says.
+   */
+  void TellGrid(const isosurface::GridGeometry& grid);
+
+  /**
    * The times of the file while there is nothing to open, or a sample of one of its time steps.
    */
   std::vector<double> SourceTimes;
@@ -172,6 +214,12 @@ private:
   bool LocalStores;
   int MemoryLimit;
   int Level;
+  std::vector<double> Spacing; ///< empty, or three numbers
+  std::vector<double> Origin;
+  char* LengthUnit;
+  double FoundSpacing[3];
+  double FoundOrigin[3];
+  std::string FoundUnit;
   vtkMultiProcessController* Controller;
   vtkSmartPointer<vtkDataArraySelection> PointDataArraySelection;
   /// One for good: of a series of files each in turn is opened, and consumers keep the handle that

@@ -95,7 +95,7 @@ struct vtkInPlaceVolumeReader::Steps
           ToText(ToText(reader.RawSamples).empty() ? reader.Dataset : reader.RawSamples);
         this->Index = SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
           dataset == Automatic ? "" : dataset, ToText(reader.Axes), ToText(reader.IndexFolder));
-        return Status::Ok();
+        return reader.MakePlace(this->Index.Source, this->Index.Place);
       });
   }
 
@@ -123,8 +123,8 @@ struct vtkInPlaceVolumeReader::Steps
   Status Begin(isosurface::Communicator& ranks, std::size_t step);
   /// Collective. Shows a sample of another time step.
   Status ChangeStep(isosurface::Communicator& ranks, std::size_t step);
-  /// The times in the header of the source; none if it cannot be read.
-  std::vector<double> ReadTimes() const;
+  /// Tells the reader the times and the grid in the header of the source; no times if it cannot be read.
+  void ReadHeader() const;
 
   /// Stores the window of DICOM beside its samples. (Others have none, and may take long to open.)
   void TellWindow(vtkInformation* outInfo) const;
@@ -134,7 +134,10 @@ struct vtkInPlaceVolumeReader::Steps
 
   bool IsGrowing() const
   {
-    return this->Reader.Growing && this->Reader.Growing->GetIndex() == this->Index;
+    const GrowingIndex* const growing = this->Reader.Growing.get();
+    // A sample has its grid for good. An index that is kept in memory is opened with another one.
+    return growing && growing->GetIndex() == this->Index &&
+      (this->Reader.Indexing[0] == Nothing || growing->GetIndex().Place == this->Index.Place);
   }
   std::uint64_t GetMemoryBytes() const
   {
@@ -197,14 +200,20 @@ Status vtkInPlaceVolumeReader::Steps::Finish(isosurface::Communicator& ranks)
   return Status::Ok();
 }
 
-std::vector<double> vtkInPlaceVolumeReader::Steps::ReadTimes() const
+void vtkInPlaceVolumeReader::Steps::ReadHeader() const
 {
   isosurface::VolumeChoice choice;
   choice.Axes = this->Index.Axes;
   auto volume = this->Failure.IsOk()
     ? isosurface::OpenForeignVolume(isosurface::GetLocalFileSystem(), this->Index.Source, choice)
     : Result<isosurface::OpenedVolume>(this->Failure);
-  return volume.IsOk() ? std::move(volume->Times) : std::vector<double>();
+  this->Reader.SourceTimes = volume.IsOk() ? std::move(volume->Times) : std::vector<double>();
+  if (volume.IsOk())
+  {
+    const isosurface::GridGeometry& grid = volume->Grid;
+    this->Reader.TellGrid(
+      volume->Lines ? volume->Lines->MakeFrame(grid, { { 0, 0, 0 }, grid.GetDimensions() }) : grid);
+  }
 }
 
 Status vtkInPlaceVolumeReader::Steps::ChangeStep(isosurface::Communicator& ranks, std::size_t step)
@@ -279,7 +288,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(reader.Growing->GetStatus()));
     if (reader.Growing->IsInMemory()) // then this rank is alone
     {
-      ISOSURFACE_ASSIGN_OR_RETURN(volume, reader.Growing->Open());
+      ISOSURFACE_ASSIGN_OR_RETURN(volume, reader.Growing->Open(this->Index.Place));
     }
   }
   standIn->SetVolume(volume);
@@ -396,18 +405,18 @@ bool vtkInPlaceVolumeReader::IsPending()
     return false;
   }
   const Steps steps(*this);
-  const auto readTimes = [&]
+  const auto readHeader = [&]
   {
     if (this->TellTime != this->vtkAlgorithm::GetMTime())
     {
       this->TellTime = this->vtkAlgorithm::GetMTime();
-      this->SourceTimes = steps.ReadTimes();
+      steps.ReadHeader();
     }
     return true;
   };
   if (steps.IsGrowing())
   {
-    return readTimes();
+    return readHeader();
   }
   const auto state = steps.FindState();
   const bool isCurrent = state.IsOk() && *state == IndexState::Current;
@@ -424,7 +433,7 @@ bool vtkInPlaceVolumeReader::IsPending()
     this->SetFileName(steps.Index.Path.c_str());
     this->CheckTime = this->vtkAlgorithm::GetMTime();
   }
-  return !isCurrent && readTimes();
+  return !isCurrent && readHeader();
 }
 
 //------------------------------------------------------------------------------
@@ -484,6 +493,7 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   isosurface::Communicator& ranks, std::size_t step)
 {
   Steps steps(*this);
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(steps.Failure));
   this->Indexed = nullptr;
   std::vector<std::uint64_t> all = { this->CoarseAllowed ? 1u : 0u, steps.IsGrowing() ? 1u : 0u };
   ranks.ReduceMinimum(all);
@@ -559,8 +569,8 @@ bool vtkInPlaceVolumeReader::PrepareVolume(isosurface::Communicator& ranks, doub
 {
   if (!this->Indexed)
   {
-    const auto opened =
-      isosurface::Attempt(this->Growing->GetIndex().Path, [this] { return this->Growing->Open(); });
+    const auto opened = isosurface::Attempt(this->Growing->GetIndex().Path,
+      [this] { return this->Growing->Open(this->Growing->GetIndex().Place); });
     const bool isOpen = ranks.All(opened.IsOk());
     if (!isOpen)
     {

@@ -5,8 +5,10 @@
 #include "VolumeDamage.h"
 
 #include "vtkBlockedVolumeReader.h"
+#include "vtkBoundingBox.h"
 #include "vtkDataArray.h"
 #include "vtkExecutive.h"
+#include "vtkFieldData.h"
 #include "vtkInPlaceVolumeReader.h"
 #include "vtkMultiProcessController.h"
 #include "vtkPartitionedDataSet.h"
@@ -14,6 +16,7 @@
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkStabbingContour.h"
+#include "vtkStringArray.h"
 #include "vtkVolumeProbe.h"
 #include "vtkVolumeRegion.h"
 #include "vtkVolumeSlice.h"
@@ -25,9 +28,13 @@
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -154,8 +161,12 @@ TEST(InPlaceOnRanks, StopOfOneRankWhileIndexingStopsAllWithoutError)
 class FirstContact : public testing::Test
 {
 protected:
-  explicit FirstContact(bool isStream = false)
+  explicit FirstContact(bool isStream = false, bool isPlaced = false)
   {
+    if (isPlaced)
+    {
+      this->SetGrid({ 0.5, 0.75, 2 }, { -300, 5, 1000 });
+    }
     OnFirstRank([&] { WriteSource(this->Image, this->Folder.GetPath("scan.mhd"), isStream); });
     this->Reader->SetSourceName(this->Folder.GetPath("scan.mhd").c_str());
     this->Reader->AllowCoarse(1);
@@ -203,6 +214,51 @@ protected:
     ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
     EXPECT_EQ(prepare(), 0) << "all is exact";
     EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+  }
+
+  /// Places the file and the image alike.
+  void SetGrid(const std::array<double, 3>& spacing, const std::array<double, 3>& origin)
+  {
+    this->Reader->SetSpacing(spacing[0], spacing[1], spacing[2]);
+    this->Reader->SetOrigin(origin[0], origin[1], origin[2]);
+    this->Image->SetSpacing(spacing.data());
+    this->Image->SetOrigin(origin.data());
+  }
+
+  void ExpectSurfaceWithinTheImage()
+  {
+    this->Contour->AllowCoarse(1);
+    this->Reader->AllowCoarse(1);
+    vtkPolyData* const mine = this->Update();
+    this->Reader->AllowCoarse(0);
+    this->Contour->AllowCoarse(0);
+    EXPECT_GT(this->CountTriangles(), 0u);
+    const vtkBoundingBox box(this->Image->GetBounds());
+    EXPECT_TRUE(mine->GetNumberOfPoints() == 0 || box.Contains(vtkBoundingBox(mine->GetBounds())));
+  }
+
+  /// In one grid after the other, of which the second is set while the index grows.
+  void ExpectSurfacesInTheGridsThatAreSet()
+  {
+    this->SetGrid({ 2, 0.5, 0.75 }, { -3000, 5, 0 });
+    this->Reader->SetLengthUnit("um");
+    this->ExpectSurfaceWithinTheImage();
+    this->Advance();
+    this->Reader->TakeIndex();
+    ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+    const std::string index = this->Folder.GetPath("scan.mhd.bvol");
+    const auto written = std::filesystem::last_write_time(index);
+    this->SetGrid({ 3, 1, 0.25 }, { 0, -5, 0 });
+    ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+    vtkDataObject* const output = this->Contour->GetOutputDataObject(0);
+    auto* const unit =
+      vtkStringArray::SafeDownCast(output->GetFieldData()->GetAbstractArray("PhysicalSizeUnit"));
+    EXPECT_EQ(unit ? unit->GetValue(0) : "", "um");
+    this->SetGrid({ 1, 1, 1 }, { 0, 0, 0 });
+    this->Reader->RemoveSpacing();
+    this->Reader->RemoveOrigin();
+    ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
+    EXPECT_EQ(std::filesystem::last_write_time(index), written) << "nothing is indexed anew";
   }
 
   void ExpectGrowingSurface()
@@ -270,6 +326,26 @@ TEST_F(FirstContact, GrowsWhileTheFileIsIndexed)
   this->ExpectGrowingSurface();
 }
 
+/// The same in a grid that is not the file's.
+class FirstContactInAnotherGrid : public FirstContact
+{
+protected:
+  FirstContactInAnotherGrid()
+    : FirstContact(false, true)
+  {
+  }
+};
+
+TEST_F(FirstContactInAnotherGrid, GrowsWhileTheFileIsIndexed)
+{
+  this->ExpectGrowingSurface();
+}
+
+TEST_F(FirstContactInAnotherGrid, FollowsWhenAnotherOneIsSet)
+{
+  this->ExpectSurfacesInTheGridsThatAreSet();
+}
+
 /// A file that can only be read in order.
 class FirstContactWithStream : public FirstContact
 {
@@ -283,6 +359,25 @@ protected:
 TEST_F(FirstContactWithStream, IsExactWhereTheFileIsIndexed)
 {
   this->ExpectExactSurfaceOfAllThatIsIndexed();
+}
+
+class FirstContactWithStreamInAnotherGrid : public FirstContact
+{
+protected:
+  FirstContactWithStreamInAnotherGrid()
+    : FirstContact(true, true)
+  {
+  }
+};
+
+TEST_F(FirstContactWithStreamInAnotherGrid, GrowsWhileTheFileIsIndexed)
+{
+  this->ExpectGrowingSurface();
+}
+
+TEST_F(FirstContactWithStreamInAnotherGrid, FollowsWhenAnotherOneIsSet)
+{
+  this->ExpectSurfacesInTheGridsThatAreSet();
 }
 
 TEST_F(FirstContactWithStream, GrowsWhileTheFileIsIndexed)
@@ -322,6 +417,60 @@ TEST_F(FirstContact, TheSurfaceGetsNoCoarserWhenTheIndexIsTaken)
 
   this->Contour->SetValue(0, Isovalue + 20);
   EXPECT_LT(update(), coarse) << "of another isovalue it does not stay";
+}
+
+TEST_F(FirstContact, TheSurfaceOfASampleDoesNotStayInAnotherGrid)
+{
+  this->Contour->Modified();
+  ShowByHand(this->Contour);
+  EXPECT_EQ(this->Advance(), 2);
+  this->SetGrid({ 0.5, 0.5, 0.5 }, { 1000, 0, 0 });
+  this->ExpectSurfaceWithinTheImage();
+}
+
+TEST(InPlaceOnRanks, AWrongGridIsOneErrorOfAllRanksAndNothingIsWritten)
+{
+  const SharedFolder folder("WrongGrid");
+  const std::string source = folder.GetPath("scan.mhd");
+  OnFirstRank([&] { WriteSource(MakeNoisyImage(), source); });
+  vtkNew<vtkInPlaceVolumeReader> reader;
+  reader->SetSourceName(source.c_str());
+  const auto contour = MakeContour(reader, InPlaceIsovalue);
+  const auto expect = [&](const std::string& words)
+  {
+    const ErrorCounter errors(reader);
+    contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+    ExpectOneError(errors, { words });
+    EXPECT_EQ(contour->GetOutput()->GetNumberOfPolys(), 0);
+  };
+  reader->SetSpacing(1, 0, 1);
+  expect("scan.mhd: Spacing is set to 1, 0, 1: distances are finite and above 0");
+  reader->SetSpacing(1, -2, 1);
+  expect("Spacing is set to 1, -2, 1");
+  reader->SetSpacing(1, std::nan(""), 1);
+  expect("Spacing is set to 1, nan, 1");
+  reader->RemoveSpacing();
+  reader->AddSpacing(2);
+  reader->AddSpacing(2);
+  expect("Spacing has 2 numbers in place of 3");
+  reader->RemoveSpacing();
+  reader->SetOrigin(0, 0, std::numeric_limits<double>::infinity());
+  expect("Origin is set to 0, 0, inf");
+  reader->RemoveOrigin();
+  reader->SetLengthUnit("ell");
+  expect("LengthUnit: \"ell\" is no unit of length");
+  EXPECT_FALSE(std::filesystem::exists(source + ".bvol"));
+  reader->SetLengthUnit(nullptr);
+  const int last = GetNumberOfRanks() - 1;
+  if (last > 0)
+  {
+    reader->SetSpacing(1, 1, GetRank() == last ? 2 : 1);
+    expect("are not the same on all ranks");
+  }
+  reader->RemoveSpacing();
+  const ExpectNoErrors errors(reader);
+  contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+  ExpectSurfaceOf(contour->GetOutput(), MakeNoisyImage(), InPlaceIsovalue);
 }
 
 TEST_F(FirstContact, TheSurfaceOfASampleDoesNotStayForAnotherFile)

@@ -52,6 +52,45 @@ TEST(SamplesOnRanks, WhatLiesBeyondTheLastVerticesOfCoarseLevelsIsShown)
     SubsampleImage(CutImage(image, { 0, 599, 0, 599, 0, 0 }), level)->GetExtent());
 }
 
+TEST(SamplesOnRanks, OfAGridThatIsSetAreThoseOfTheImageThere)
+{
+  const auto image = MakeSampledImage(VTK_SHORT);
+  const SharedVolume volume("Placed", image, { 16, 3 });
+  const auto reader = OpenOnRanks(volume.Path);
+  reader->SetSpacing(0.25, 3, 0.5);
+  reader->SetOrigin(7, -80, 900);
+  image->SetSpacing(0.25, 3, 0.5);
+  image->SetOrigin(7, -80, 900);
+  const auto slice = MakeSlice(reader, image, { 1, 2, 3 });
+  UpdatePart(slice.Get());
+  const auto points =
+    SumOverRanks(static_cast<std::uint64_t>(slice->GetOutput()->GetNumberOfPoints()));
+  EXPECT_GT(points, 100u);
+  ExpectStockValues(slice->GetOutput(), image);
+  vtkNew<vtkVolumeRegion> region;
+  region->SetInputConnection(reader->GetOutputPort());
+  double box[6];
+  image->GetBounds(box);
+  region->SetPosition(box[0], box[2], box[4]);
+  region->SetLength(box[1] - box[0], box[3] - box[2], box[5] - box[4]);
+  UpdatePart(region.Get());
+  ExpectWhole(vtkImageData::SafeDownCast(region->GetOutput()), image->GetExtent());
+  vtkNew<vtkPolyData> line;
+  line->SetPoints(vtkNew<vtkPoints>());
+  for (int point = 0; point < 20; ++point)
+  {
+    const double* center = image->GetCenter();
+    line->GetPoints()->InsertNextPoint(center[0] + 0.1 * point, center[1] + point, center[2]);
+  }
+  vtkNew<vtkVolumeProbe> probe;
+  probe->SetInputConnection(reader->GetOutputPort());
+  probe->SetSourceData(line);
+  UpdatePart(probe.Get());
+  const auto datasets = vtkCompositeDataSet::GetDataSets<vtkDataSet>(probe->GetOutput());
+  ASSERT_EQ(datasets.size(), 1u);
+  ExpectStockValues(datasets[0], image);
+}
+
 TEST(SamplesOnRanks, ABoxHasTheSamplesOfTheImage)
 {
   const auto image = MakeSampledImage(VTK_SHORT);

@@ -115,6 +115,26 @@ TEST_F(RectilinearVolume, SurfaceHasThePointsAndIdsOfTheGridInMemory)
   }
 }
 
+TEST_F(RectilinearVolume, IsGivenAUnitAndNoOtherPlace)
+{
+  const auto grid = MakeWhole();
+  WriteVolume(grid, this->Path, { 16, 2 });
+  this->Reader->SetLengthUnit("um");
+  this->Reader->Update();
+  EXPECT_STREQ(this->Reader->GetFoundUnit(), "unknown");
+  EXPECT_TRUE(this->Reader->GetOutput()->GetFieldData()->GetAbstractArray("PhysicalSizeUnit"));
+  for (const char* name : { "Spacing", "Origin" })
+  {
+    vtkNew<vtkBlockedVolumeReader> placed;
+    const ErrorCounter errors(placed);
+    placed->SetFileName(this->Path.c_str());
+    name == std::string("Spacing") ? placed->SetSpacing(1, 2, 3) : placed->SetOrigin(1, 2, 3);
+    placed->Update();
+    ExpectOneError(
+      errors, { "volume.bvol: " + std::string(name) + " cannot be set", "rectilinear" });
+  }
+}
+
 TEST_F(RectilinearVolume, OtherConsumersGetARectilinearGrid)
 {
   const auto grid = MakeWhole();

@@ -75,6 +75,45 @@ TEST(SpectrumOfVolume, IsWhatItsImageHasAndAQueryCosts)
   reader->SetCacheSize(256);
 }
 
+TEST(SpectrumOfVolume, InAGridThatIsSetIsThatOfAVolumeThere)
+{
+  const auto image = MakeClosedVolume({ 0, 50, 0, 40, 0, 60 }, VTK_SHORT);
+  const auto make = [](vtkBlockedVolumeReader* reader)
+  {
+    vtkNew<vtkContourSpectrum> spectrum;
+    const ExpectNoErrors errors(spectrum);
+    spectrum->SetInputConnection(reader->GetOutputPort());
+    spectrum->SetStoreQuantity(vtkContourSpectrum::VOLUME);
+    spectrum->Update();
+    vtkSmartPointer<vtkTable> table = spectrum->GetOutput();
+    return table;
+  };
+  const ScratchFolder folder;
+  const std::string path = folder.GetPath("volume.bvol");
+  WriteVolume(image, path, { 16, 2 });
+  const auto reader = MakeReader(path);
+  for (const double z : { 2.5, 0.75 })
+  {
+    image->SetSpacing(2.5, 2.5, z);
+    const std::string placed = folder.GetPath(std::to_string(z) + ".bvol");
+    WriteVolume(image, placed, { 16, 2 });
+    const auto expected = make(MakeReader(placed));
+    reader->SetSpacing(2.5, 2.5, z);
+    const auto table = make(reader);
+    for (const char* name : { "Triangles", "Area", "Volume", "Volume[0]", "Volume[1]" })
+    {
+      const bool isKnown = z == 2.5 || std::string(name) != "Area";
+      ASSERT_EQ(table->GetColumnByName(name) != nullptr, isKnown) << name;
+      for (vtkIdType row = 0; isKnown && row < table->GetNumberOfRows(); ++row)
+      {
+        ASSERT_DOUBLE_EQ(table->GetValueByName(row, name).ToDouble(),
+          expected->GetValueByName(row, name).ToDouble())
+          << name;
+      }
+    }
+  }
+}
+
 TEST(SpectrumOfVolume, LeavesOtherConsumersTheirSamples)
 {
   const ScratchVolume volume(MakeClosedVolume({ 0, 40, 0, 40, 0, 40 }, VTK_SHORT));
