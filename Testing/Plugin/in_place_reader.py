@@ -13,6 +13,7 @@ import numpy
 from paraview import simple, smstate
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D
 from vtkmodules.vtkIOImage import vtkTIFFWriter
 from vtkmodules.vtkIOXML import vtkXMLImageDataReader
 
@@ -335,6 +336,51 @@ class InPlaceReader(testing.TestCase):
         self.assertEqual(reader.SMProxy.GetProperty("IsRaw").GetElement(0), 1)
         reader.RawSamples = size + ",float32,big-endian,header-bytes=6"
         self.assertEqual(count_triangles(reader), self.expected)
+
+    def test_a_grid_that_is_set_holds_and_is_saved_and_an_empty_one_is_that_of_the_file(self):
+        image = vtkImageData()
+        image.SetDimensions(self.samples.shape[::-1])
+        image.SetSpacing(0.5, 0.75, 2)
+        image.SetOrigin(-3, 5, 1e3)
+        image.GetPointData().SetScalars(numpy_to_vtk(self.samples.ravel(), deep=True))
+        contour = vtkFlyingEdges3D()
+        contour.SetInputData(image)
+        contour.SetValue(0, testing.ISOVALUE)
+        contour.Update()
+        expected = contour.GetOutput().GetBounds()
+        size = "x".join(map(str, self.samples.shape[::-1]))
+        page, raw = testing.output("placed.tif"), testing.output(f"placed_{size}_float32.raw")
+        write_tiff(page, self.samples)
+        self.samples.tofile(raw)
+        for path in (page, raw):
+            with self.subTest(path=path):
+                simple.ResetSession()
+                reader = self.open(path)
+                found = lambda name: list(reader.GetProperty(name).GetData())
+                reader.UpdatePropertyInformation()
+                self.assertEqual([found("SpacingInfo"), found("OriginInfo")], [[1, 1, 1], [0, 0, 0]])
+                reader.Spacing, reader.Origin, reader.LengthUnit = [0.5, 0.75, 2], [-3, 5, 1e3], "um"
+                surface = simple.Isosurface(Input=reader, Isosurfaces=[testing.ISOVALUE])
+                self.assertEqual(testing.count_cells(surface), self.expected)
+                self.assertEqual(surface.GetDataInformation().GetBounds(), expected)
+                self.assertIsNotNone(surface.FieldData.GetArray("PhysicalSizeUnit"))
+                state = testing.output("placed.pvsm")
+                simple.SaveState(state)
+                simple.ResetSession()
+                self.load_state(state)
+                surface = simple.FindSource("Isosurface1")
+                self.assertEqual(testing.count_cells(surface), self.expected)
+                self.assertEqual(surface.GetDataInformation().GetBounds(), expected)
+                reader = surface.Input
+                self.assertEqual(list(reader.Spacing), [0.5, 0.75, 2])
+                reader.Spacing, reader.Origin, reader.LengthUnit = [], [], ""
+                self.assertEqual(testing.count_cells(surface), self.expected)
+                bounds = surface.GetDataInformation().GetBounds()
+                for axis, (spacing, origin) in enumerate(zip(image.GetSpacing(), image.GetOrigin())):
+                    for end in (2 * axis, 2 * axis + 1):
+                        self.assertAlmostEqual(origin + spacing * bounds[end], expected[end], places=3)
+                reader.Spacing = [0, 1, 1]
+                self.assertEqual(testing.count_cells(surface), 0)
 
     def test_damaged_files_are_opened_and_give_no_surface(self):
         for name in ("truncated.nii", "truncated.nii.gz"):

@@ -16,6 +16,11 @@ class Panels(testing.TestCase):
         path = "GuiNumbers/numbers.pvsm"
         self.assertEqual(testing.read_state(path, "Isosurface", "MaximumTriangles"), [[6e9]])
 
+    def test_a_grid_is_that_of_the_file_but_for_what_is_typed(self):
+        path = "GuiNumbers/numbers.pvsm"
+        self.assertEqual(testing.read_state(path, "BlockedVolumeReader", "Spacing"), [[1, 1, 2.5]])
+        self.assertEqual(testing.read_state(path, "BlockedVolumeReader", "Origin"), [[]])
+
     def test_region_of_an_edge_index_file_is_a_box_of_the_world(self):
         # The bounds of the surface's box: the grid of wave.vti.
         path = "GuiEdgeIndexRegion/reset.pvsm"
