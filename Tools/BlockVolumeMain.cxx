@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // blockvolume: writes, prints, checks and repairs blocked volumes. Alone or under mpirun.
+#include "BlockVolumeCommands.h"
 #include "BlockVolumeOptions.h"
-#include "InfoCommand.h"
-#include "ListCommand.h"
-#include "RepairCommand.h"
 #include "Sandbox.h"
-#include "SourceCommand.h"
 #include "StandardOutput.h"
 #include "StopSignal.h"
-#include "VerifyCommand.h"
-#include "WriteCommand.h"
 
 #include "vtkMPIController.h"
 #include "vtkMultiProcessController.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "InfoCommand.h"
+#include "BlockVolumeCommands.h"
 
 #include "PrintedSpectrum.h"
 #include "ProgressDisplay.h"

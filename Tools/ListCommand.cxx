@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ListCommand.h"
+#include "BlockVolumeCommands.h"
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "VerifyCommand.h"
+#include "BlockVolumeCommands.h"
 
 #include "ProgressDisplay.h"
 #include "Sandbox.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "WriteCommand.h"
+#include "BlockVolumeCommands.h"
 
 #include "InputVolume.h"
 #include "ProgressDisplay.h"
