@@ -37,7 +37,7 @@ public:
   Result<vtkDataArray*> Find(
     vtkImageData* image, vtkMTimeType imageTime, vtkDataArray* cells, int threads);
 
-  /// Forgets what was not asked for since the last call.
+  /// Forgets the arrays that no execution has used since the last call.
   void DropUnused();
 
 private:

@@ -35,7 +35,7 @@ public:
   /// As many bytes as any implementation of MPI sends in one call.
   static constexpr std::size_t LargestPart = std::size_t{ 1 } << 30;
 
-  /// The cost of agreeing, one more reduction, is small beside messages of so many bytes.
+  /// From this number of bytes on, the cost of agreeing, one more reduction, is small beside a message.
   static constexpr std::size_t AgreedBytes = 1024;
 
   /// A call of MPI sends, or gathers from all ranks, at most `largestPart` bytes; but at least one

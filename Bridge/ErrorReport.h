@@ -30,8 +30,8 @@ ISOSURFACEBRIDGE_EXPORT void MarkFailure(vtkInformationVector* output);
 ISOSURFACEBRIDGE_EXPORT void ReportError(
   vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& error);
 
-/// Warns on rank 0 of what all ranks know, unless it is empty or there is an error, which says
-/// more.
+/// Shows `warning`, which all ranks know, on rank 0, unless it is empty or there is an error, which
+/// says more.
 ISOSURFACEBRIDGE_EXPORT void ReportWarning(vtkAlgorithm* algorithm, const Communicator& ranks,
   const Status& status, const std::string& warning);
 
@@ -59,7 +59,7 @@ ISOSURFACEBRIDGE_EXPORT int EndExecution(
 /// Lets an algorithm work though what is before it has stopped once, whose data it does not take.
 ISOSURFACEBRIDGE_EXPORT void IgnoreAbortedInput(vtkAlgorithm& algorithm);
 
-/// Whether what gives an input has stopped. Before VTK 9.2 nobody knows.
+/// Whether the filter that gives the input has stopped. Always false before VTK 9.2.
 ISOSURFACEBRIDGE_EXPORT bool IsInputAborted(vtkInformation* input);
 
 } // namespace isosurface

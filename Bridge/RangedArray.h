@@ -25,11 +25,11 @@ namespace isosurface
  */
 ISOSURFACEBRIDGE_EXPORT vtkSmartPointer<vtkDataArray> MakeRangedArray(int type);
 
-/// Gives an array the memory of a Buffer that released it, with so many values; the array releases it in
-/// turn.
+/// Gives an array the memory of a Buffer that released it, which has `values` values; the array
+/// releases it in turn.
 ISOSURFACEBRIDGE_EXPORT void AdoptMemory(vtkDataArray* array, void* memory, vtkIdType values);
 
-/// Gives an array room for so many tuples, which are not initialised. It throws std::bad_alloc if memory
+/// Gives an array room for `tuples` tuples, which are not initialised. Throws std::bad_alloc if memory
 /// is short, where the array itself, as some systems build VTK, would end the process.
 ISOSURFACEBRIDGE_EXPORT void AllocateTuples(vtkDataArray* array, vtkIdType tuples);
 

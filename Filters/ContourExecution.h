@@ -79,12 +79,12 @@ public:
   /// Whether surfaces after a change may be coarse though the filter is not progressive.
   void AllowCoarse(bool allowed) { this->CoarseAllowed = allowed; }
 
-  /// Extracts the next finer surface beside the calling thread, which sleeps for at most so many
-  /// seconds meanwhile. Returns how far it is. Collective.
+  /// Extracts the next finer surface beside the calling thread, which sleeps for at most
+  /// `seconds` meanwhile. Returns the state of that surface. Collective.
   Refinement PrepareRefinement(double seconds);
-  /// Forgets what was prepared.
+  /// Forgets the prepared surface.
   void DropRefinement() { this->Surfaces.DropPrepared(); }
-  /// Stops what reads images beside the calling thread: what is before the filter may execute.
+  /// Stops reading images beside the calling thread, so that the filters upstream may execute.
   void ReleaseImages() { this->InMemory.DropUnfinished(); }
   /// Lets surfaces of the current volume and isovalues be larger than the memory.
   void AcceptSize() { this->Surfaces.AcceptSize(); }
@@ -99,12 +99,12 @@ private:
   std::string GetArrayToContour();
   std::vector<std::string> ChooseInterpolatedArrays(const std::string& contoured);
 
-  /// Whether the input is a blocked volume, and what is asked of it, are the same on all ranks; so
-  /// all go the same way. `query` is made for a volume alone. `blocks`: those that are asked for, if
-  /// not a surface. Collective.
+  /// Agrees on whether the input is a blocked volume, and on the query, so that all ranks take the
+  /// same branch. `query` is made for a volume alone. `blocks`: those to give in place of a
+  /// surface, or null. Collective.
   Status AgreeOnQuery(const VolumeInput& input, Communicator& ranks, SurfaceQuery& query,
     ContourOutcome& outcome, const ContourBlocks* blocks);
-  /// What is asked of a blocked volume, and what the output's arrays will be; this rank alone.
+  /// Makes the query of a blocked volume, and names the arrays of the output; this rank alone.
   Status MakeQuery(const VolumeInput& input, SurfaceQuery& query, ContourOutcome& outcome);
   /// A checksum of the properties that decide about the surface of all ranks, or about its blocks.
   std::uint64_t ComputeFingerprint(const SurfaceQuery& query, const ContourBlocks* blocks);
@@ -117,8 +117,8 @@ private:
   void WarnOfLackOfMemory(const ExtractionTask& task, int level);
   RefinementRequest MakeRefinementRequest();
   Status ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome);
-  /// Leaves out the islands that are not wanted, if any are wanted, of what ended with `extracted`
-  /// on this rank. `makeGrids` gives the grids of the surface. Collective.
+  /// Applies the island filter, if the properties ask for one. `extracted`: this rank's status of the
+  /// extraction. `makeGrids` gives the grids of the surface. Collective.
   Status ChooseIslands(Communicator& ranks, const Status& extracted,
     const std::function<IslandGrids()>& makeGrids, ContourOutcome& outcome);
   /// The images of all ranks that are to be contoured, and what is asked of them; they live with

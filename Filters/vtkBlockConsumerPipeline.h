@@ -5,7 +5,8 @@
  * @brief   the executive of filters that take blocks beside the pipeline
  *
  * Of a vtkDistributeIsosurface, brings the input's information up to date, but not its data, if the
- * filter takes the contour's blocks: the contour would else extract a surface that nobody looks at.
+ * filter takes the contour's blocks: otherwise the contour would extract a surface that no consumer
+ * uses.
  *
  * Of a filter with several inputs, gives up the blocks of a volume if another input fails: the
  * volume's reader would else go on without an output for others (vtkBlockedVolumeHandle).

@@ -101,10 +101,10 @@ public:
   /**
    * For windows, which must answer meanwhile. An execution over images of more samples than
    * CountBeside() says begins to count beside the calling thread, and gives an empty table. Then
-   * AdvanceCounting() waits, but no longer than so many milliseconds; several ranks count only while
-   * all are in it. Counting: the stage (0: nothing is counted, 1: working, 2: ready) and the finished
-   * share. When it is ready, TakeCounting() lets the next execution give the table. None of these is
-   * a property; all ranks must call them. Default: everything is counted at once.
+   * AdvanceCounting() waits at most `milliseconds`; several ranks count only while all are in it.
+   * Counting: the stage (0: nothing is counted, 1: working, 2: ready) and the finished share. When
+   * it is ready, TakeCounting() lets the next execution give the table. None of these is a
+   * property; all ranks must call them. Default: everything is counted at once.
    */
   void CountBeside(int samplesAtOnce);
   void AdvanceCounting(int milliseconds);

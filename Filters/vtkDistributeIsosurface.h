@@ -44,7 +44,7 @@ public:
   enum ProfileType
   {
     SMALL = 0,  ///< the fewest bytes
-    WORKING = 3 ///< encoded and decoded about six times as fast, about a half larger
+    WORKING = 3 ///< decoded five to seven times as fast, lossless up to a half larger
   };
 
   ///@{

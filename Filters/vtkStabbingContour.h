@@ -163,9 +163,9 @@ public:
   /**
    * Triangles that the surface of a blocked volume may have, on all ranks and for all isovalues
    * together; 0, the default: no limit. Chooses the finest level, not finer than Level, with at
-   * most so many, and the coarsest if there is none. Field data of a level that was chosen within a
-   * budget: EstimatedTriangles (of all ranks), PredictedSeconds, and LevelLimit, the name of the
-   * budget that forbids the next finer level.
+   * most MaximumTriangles, and the coarsest if there is none. Field data of a level that was chosen
+   * within a budget: EstimatedTriangles (of all ranks), PredictedSeconds, and LevelLimit, the name
+   * of the budget that forbids the next finer level.
    */
   vtkSetClampMacro(MaximumTriangles, vtkIdType, 0, VTK_ID_MAX);
   vtkGetMacro(MaximumTriangles, vtkIdType);
@@ -204,8 +204,8 @@ public:
   ///@{
   /**
    * Extraction beside the calling thread, for a window that must not wait: PrepareRefinement begins
-   * to extract the surface that Refine asks for, or goes on with it, waits for it, but not longer
-   * than so many milliseconds, and returns. The output stays as it is. When all ranks have the
+   * to extract the surface that Refine asks for, or goes on with it, waits for it, at most
+   * `milliseconds`, and returns. The output stays as it is. When all ranks have the
    * surface, the execution after Refine takes it instead of extracting. A change drops it, at the
    * latest when the filter executes; DropRefinement at once. All ranks call it together.
    *
@@ -344,12 +344,12 @@ public:
   /**
    * Which islands of the surface are in the output. An island is a connected part of the surface of
    * one isovalue, on all ranks together: triangles with a common point are on the same one. Those
-   * smaller than MinimumIslandSize are left out, and of each isovalue all but the MaximumIslands largest; of the
-   * same size, that with the lowest global id comes first. IslandSize says what is compared;
-   * areas and volumes are those of the world. Of what is left, UseIslandPoint keeps the island
-   * alone that is nearest to IslandPoint. With ComputeIslandIds, cells carry the place of their
-   * island among all, by size, in IslandId; 0 is the largest. Defaults: TRIANGLES, 0 (no limit), 0
-   * (no limit), off, the origin, off.
+   * smaller than MinimumIslandSize are left out, and of each isovalue all but the MaximumIslands
+   * largest; of the same size, that with the lowest global id comes first. IslandSize says what is
+   * compared; areas and volumes are those of the world. Of the islands that are left,
+   * UseIslandPoint keeps the one nearest to IslandPoint alone. With ComputeIslandIds, cells carry
+   * the place of their island among all, by size, in IslandId; 0 is the largest. Defaults:
+   * TRIANGLES, 0 (no limit), 0 (no limit), off, the origin, off.
    *
    * If any of these is set, the field data of the output, the same on all ranks, tells of all
    * islands, those that are left out included: Islands, KeptIslands, a number for each isovalue; IslandTriangles, IslandArea
@@ -359,7 +359,7 @@ public:
    * Volumes are those of closed islands: see CloseBoundary. MaximumTriangles and TimeBudget are
    * about the surface before islands are left out. It is extracted as a whole. Finding islands
    * takes 4 bytes a point and 64 an island; leaving them out 4 bytes a point more, and the largest
-   * array of what is left.
+   * array of the points that are kept.
    */
   vtkSetClampMacro(IslandSize, int, TRIANGLES, VOLUME);
   vtkGetMacro(IslandSize, int);

@@ -50,7 +50,7 @@ public:
   void SetError(const isosurface::Status& error);
   const isosurface::Status& GetStatus() const { return this->Error; }
   /**
-   * Whether nobody has tried to open a volume yet: it may have to be made first.
+   * Whether no volume has been opened yet: it may have to be made first.
    */
   bool IsUntried() const { return this->Untried; }
   ///@}
@@ -107,8 +107,8 @@ public:
   ///@{
   /**
    * A consumer that takes blocks through this handle calls BeginTaking in REQUEST_UPDATE_EXTENT and
-   * EndTaking in REQUEST_DATA. In between the reader's output is not needed, unless somebody else
-   * has asked for it before (AskOutput, called by the reader in REQUEST_UPDATE_EXTENT).
+   * EndTaking in REQUEST_DATA. In between the reader's output is not needed, unless another
+   * consumer has asked for it before (AskOutput, called by the reader in REQUEST_UPDATE_EXTENT).
    */
   void BeginTaking(const vtkObject* consumer) { this->Takers.insert(consumer); }
   void EndTaking(const vtkObject* consumer) { this->Takers.erase(consumer); }

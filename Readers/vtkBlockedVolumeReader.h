@@ -189,11 +189,10 @@ protected:
 
   ///@{
   /**
-   * Reads the output of an execution that is asked for the same as the last one, but of the volume of
-   * this handle, beside the calling thread. The next execution takes it, if it is the one that is
-   * asked for. If reading fails, that execution reads, too, and tells the error. Where the last
-   * output was a box, nothing is read. Collective. IsOutputPrepared waits for the end, but not longer
-   * than so many seconds.
+   * Reads the last execution's request again, but of the volume of this handle, beside the calling
+   * thread. The next execution takes this output if its request is the same. If reading fails, that
+   * execution reads, too, and tells the error. Where the last output was a box, nothing is read.
+   * Collective. IsOutputPrepared waits for the end, at most `seconds`.
    */
   void PrepareOutput(vtkBlockedVolumeHandle* volume);
   bool IsOutputPrepared(double seconds);

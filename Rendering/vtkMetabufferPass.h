@@ -75,8 +75,8 @@ public:
   ///@{
   /**
    * The seconds that a frame may take; 0, the default: no limit. With a budget the divisors, from
-   * 1 to 16, are chosen for each frame: the background, what is far from the display's center, and
-   * large viewports lose resolution first. The pass learns from all frames what frames take.
+   * 1 to 16, are chosen for each frame: the background, viewports far from the display's center, and
+   * large ones lose resolution first. The pass learns the seconds of frames from all frames.
    */
   vtkSetClampMacro(FrameTimeBudget, double, 0.0, VTK_DOUBLE_MAX);
   vtkGetMacro(FrameTimeBudget, double);

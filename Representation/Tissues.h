@@ -23,7 +23,7 @@ constexpr std::array<Tissue, 4> Tissues = { { { "Skin", -300, { 0.93, 0.76, 0.65
   { "Muscle", 50, { 0.72, 0.33, 0.29 }, 0.6 }, { "Bone", 300, { 0.95, 0.91, 0.80 }, 1 },
   { "Metal", 2500, { 0.70, 0.74, 0.80 }, 1 } } };
 
-/// What is shown of a CT if nobody has chosen anything.
+/// The tissue of a CT that is shown before any is chosen.
 constexpr const Tissue& Bone = Tissues[2];
 
 /// Whether isovalues of this unit are those of Tissues.

@@ -7,7 +7,7 @@
  * While IsosurfaceColors is 1 and a surface is colored by the array that was contoured, it has a color
  * map of its own with a category for each isovalue, in the order of the list: its annotation is the
  * isovalue, as the list shows it. When isovalues change, an isovalue that stays keeps its text, color
- * and opacity, whoever chose them; one that is new takes over those of one that has gone, or else gets
+ * and opacity; one that is new takes over those of one that has gone, or else gets
  * colors that are not used yet. So a surface that is moved keeps its color. One surface alone has the
  * color of surfaces without colors. In a CT, isovalues of tissues look as these usually do.
  *

@@ -29,7 +29,7 @@ public:
   /// or while another one is.
   void Begin(
     vtkPolyData* surface, const MeasuredTriangles& triangles, const ThinningLimits& limits);
-  /// Lets go of a surface that nobody took, unless it is being thinned.
+  /// Forgets a surface that was not taken, unless it is being thinned.
   void Forget();
   /// What is kept of a surface, if Begin was called with it and the same limits; waits for it. The
   /// next call has nothing.

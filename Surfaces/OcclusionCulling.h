@@ -64,7 +64,7 @@ public:
 
   /// How many triangles of the surface the last image needed.
   std::size_t GetDrawn() const { return this->Drawn; }
-  /// Tells that all of so many were drawn, by somebody else.
+  /// Records that the caller drew `triangles` triangles, all of the surface.
   void SetDrawn(std::size_t triangles) { this->Drawn = triangles; }
 
   void ReleaseGraphicsResources();
@@ -101,7 +101,7 @@ private:
   void Begin(const std::array<double, 16>& modelToClip);
   /// Finds what is drawn next, when nothing is waiting.
   void FindNext(vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
-  /// Draws what takes about so long.
+  /// Draws waiting triangles for about `seconds`.
   void DrawFor(double seconds, vtkOpenGLIndexBufferObject* all, const DrawIndices& draw);
   void DrawPortion(
     vtkOpenGLIndexBufferObject* all, const Ranges& triangles, const DrawIndices& draw);

@@ -70,11 +70,12 @@ public:
 
   ///@{
   /**
-   * Until EndBudget() large surfaces are drawn for about so many seconds an image, where hidden triangles
-   * can be left out; otherwise as a whole. EndBudget() returns whether all surfaces were whole. The next
-   * image goes on where the last one ended, if nothing has changed: so an image that nobody sees
-   * (vtkRenderWindow::SwapBuffersOff) can be drawn in portions, between which a program answers its user.
-   * The image after it, without a budget, is whole, and takes what is drawn already. For all mappers.
+   * Until EndBudget() large surfaces are drawn for about `seconds` an image, where hidden triangles
+   * can be left out; otherwise as a whole. EndBudget() returns whether all surfaces were whole. The
+   * next image goes on where the last one ended, if nothing has changed: so an image that nobody
+   * sees (vtkRenderWindow::SwapBuffersOff) can be drawn in portions, between which a program
+   * answers its user. The image after it, without a budget, is whole, and takes what is drawn
+   * already. For all mappers.
    */
   static void BeginBudget(double seconds);
   static bool EndBudget();

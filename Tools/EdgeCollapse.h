@@ -10,9 +10,10 @@ namespace isosurface
 {
 
 /**
- * Collapses edges of a mesh, those first that move the surface least, until it has at most so many
- * triangles. The points that are left stay where they are. Error: the quadrics of M. Garland and P. S.
- * Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997.
+ * Collapses edges of a mesh, those first that move the surface least, until it has at most the
+ * wanted number of triangles. The points that are left stay where they are. Error: the quadrics of
+ * M. Garland and P. S. Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH
+ * 1997.
  *
  * Topology is kept: an edge is collapsed only if that joins no other points and triangles (the link
  * condition: T. K. Dey et al., "Topology preserving edge contraction", Publ. Inst. Math. 66, 1999), so

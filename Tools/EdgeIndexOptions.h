@@ -33,7 +33,7 @@ struct EdgeIndexOptions
   bool IsCompressed = false;             ///< .glb
   std::optional<double> Isovalue;        ///< only this one
   LengthUnit Unit = LengthUnit::Unknown; ///< .glb: of the points; unknown: as the file says
-  std::uint64_t NumberOfTriangles = 0;   ///< about so many; 0: all
+  std::uint64_t NumberOfTriangles = 0;   ///< about the number to simplify to; 0: all
   std::uint64_t MemoryMebibytes = 1024;
   int Threads = 0; ///< 0: all cores
 

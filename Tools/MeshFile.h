@@ -59,9 +59,9 @@ public:
     std::uint64_t Triangles = 0;  ///< likewise
   };
 
-  /// About how many bytes the file will have; at most so many if it is compressed.
+  /// About the bytes that the file will have; a maximum if it is compressed.
   static std::uint64_t EstimateBytes(const Settings& settings);
-  /// Unsupported if the format certainly has no room for so many points and triangles.
+  /// Unsupported if the format certainly has no room for the points and triangles of `settings`.
   static Status CheckLimits(const Settings& settings);
   /// A file of the format: .stl, .ply, .glb or .obj. `header` must outlive it.
   static Result<std::unique_ptr<MeshFile>> Create(

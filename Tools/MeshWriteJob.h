@@ -22,7 +22,7 @@ class MeshWriteJob
 public:
   struct Settings
   {
-    std::uint64_t NumberOfTriangles = 0; ///< simplify to about so many; 0: keep all
+    std::uint64_t NumberOfTriangles = 0; ///< about the number to simplify to; 0: keep all
     std::uint64_t MemoryMebibytes = 1024;
     int Threads = 1;
     bool IsPreview = false;
@@ -50,7 +50,7 @@ private:
   Status WritePiece(const SurfacePiece& piece, MeshFile& output, const Progress& progress);
   /// The points of a surface as float32 from the origin on; none if they are float32.
   std::vector<float> MakeLocalPoints(const Surface& surface) const;
-  /// Simplifies a mesh to about so many triangles, if it has more, and writes it.
+  /// Simplifies a mesh to about `triangles`, if it has more, and writes it.
   Status WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output);
 
   const EdgeIndexFile& File;

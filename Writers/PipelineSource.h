@@ -23,14 +23,14 @@ struct LocalVolume;
  * The samples of a pipeline's image data or rectilinear grid, of which Read() asks for a box: it updates the
  * pipeline with an extent of its own. Every rank's source has the whole grid.
  *
- * An input that delivers more than what it is asked for is not asked again for what it has.
+ * An input that delivers more than the requested extent is not updated again for samples that it has.
  */
 class ISOSURFACEWRITERS_EXPORT PipelineSource : public BoxSource
 {
 public:
-  /// `input` is asked for what `information` (of the input) has for the time; both outlive this.
+  /// `input` is updated at the time of `information` (of the input); both outlive this object.
   /// Of the input's arrays those that `arrays` names are taken, in that order.
-  /// `withCells`: some of them may be averages of cell arrays, for which a layer more is asked for.
+  /// `withCells`: some may be averages of cell arrays, for which one more layer is requested.
   PipelineSource(vtkAlgorithmOutput* input, vtkInformation* information, const GridGeometry& grid,
     const std::vector<ArrayDescription>& arrays, bool withCells = false);
 

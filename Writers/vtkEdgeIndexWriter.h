@@ -45,7 +45,7 @@ public:
   enum ProfileType
   {
     SMALL = 0,  ///< the fewest bytes
-    WORKING = 3 ///< written and read about six times as fast, about a half larger
+    WORKING = 3 ///< read five to seven times as fast, lossless up to a half larger
   };
 
   ///@{

@@ -10,7 +10,7 @@
  * vtkBlockedVolumeReader of that index, which opens at once. If the source has changed since, the
  * next update after a modification indexes it anew.
  *
- * In ParaView's window nobody waits for the index (AllowCoarse): the reader shows a sample of the
+ * ParaView's window does not wait for the index (AllowCoarse): the reader shows a sample of the
  * file, and writes the index beside the calling thread. The times of the file are those of its header,
  * before there is an index, too.
  *
@@ -125,17 +125,17 @@ public:
 
   /**
    * While on, an execution that finds no index does not wait for one: its output is a sample of the
-   * time step that is asked for, of at most 2 million vertices, which takes about a second, whatever the size
-   * of the file. The index is written beside the calling thread. Not a property: it neither
-   * modifies the reader nor is it saved. ParaView's window switches it on while it applies what the
-   * user has changed by hand, so scripts never see it.
+   * requested time step, of at most 2 million vertices, which takes about a second for a file of
+   * any size. The index is written beside the calling thread. Not a property: it neither modifies
+   * the reader nor is it saved. ParaView's window switches it on while it applies what the user has
+   * changed by hand, so scripts never see it.
    */
   void AllowCoarse(vtkTypeBool allowed);
 
   ///@{
   /**
-   * For a window, while the index is written: AdvanceIndex waits for it, but not longer than so many
-   * milliseconds. When all ranks have it, the execution after TakeIndex reads the volume. The same
+   * For a window, while the index is written: AdvanceIndex waits for it, at most `milliseconds`.
+   * When all ranks have it, the execution after TakeIndex reads the volume. The same
    * holds for a larger sample, where the first one was of a part of the file: it is of what has been
    * indexed. An error is reported once, and the sample stays. Where there are several ranks, the
    * index is written only while all ranks are in AdvanceIndex, which they call together. An
@@ -165,7 +165,7 @@ private:
 
   struct Steps; ///< of UpdateIndex
 
-  /// Makes what is to be read: the volume in place, or a sample of the file. Collective.
+  /// Makes the volume to read: the volume in place, or a sample of the file. Collective.
   isosurface::Status UpdateIndex(isosurface::Communicator& ranks, std::size_t step);
   /// The time step of SourceTimes that is asked for: the last one at or before UPDATE_TIME_STEP().
   std::size_t FindStep(vtkInformation* outInfo) const;

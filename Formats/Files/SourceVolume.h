@@ -35,7 +35,7 @@ public:
     std::size_t timeStep, int threads, std::uint64_t memoryBytes) override;
   SourceFiles GetSourceFiles(std::size_t timeStep) override;
   /// Reads all samples of the time step into blocks in memory, unless they are there. They stay until
-  /// those of another time step are read and nobody uses them. OutOfMemory if they take more than a
+  /// those of another time step are read and no caller uses them. OutOfMemory if they take more than a
   /// third of the free memory.
   Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;

@@ -28,7 +28,7 @@ enum class FileKind : std::uint8_t
 {
   BlockedVolume, ///< a .bvol
   Surface,       ///< an edge-index file, for SurfaceFile
-  Source         ///< a volume of another format, or nothing that anybody reads
+  Source         ///< a volume of another format, or a file that no format reads
 };
 
 /// Looks at the name (VolumeName.h) and the first bytes. Error: NotFound if there is no such file or folder.
@@ -96,7 +96,7 @@ public:
   /// Fills `samples` with tuples of the chosen components. The request must be within the volume.
   virtual Status Read(const SampleRequest& request, void* samples, const Progress& progress) = 0;
 
-  /// The samples of a time step, to write another volume of, which may take so much memory.
+  /// The samples of a time step, to write another volume of. Takes at most `memoryBytes` of memory.
   virtual Result<std::unique_ptr<BoxSource>> OpenSource(
     std::size_t timeStep, int threads, std::uint64_t memoryBytes) = 0;
 

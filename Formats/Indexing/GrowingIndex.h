@@ -56,15 +56,14 @@ public:
     return this->Sample.Step == 0 ? this->Finished : nullptr;
   }
   /// Whether there is a sample on all ranks that is much larger than the last one, or an error that
-  /// kept it from being made: what is being indexed is sampled, too, and made a volume beside the
-  /// calling thread. Never while what is finished is shown, which is the same part of the file, nor
-  /// while the sample is of another time step than the first one.
-  /// Collective.
+  /// kept it from being made: the samples that are indexed are made a volume beside the calling
+  /// thread. False while exact layers are shown, which cover the same part of the file, and while
+  /// the sample is of another time step than the first one. Collective.
   bool HasLargerSample(Communicator& ranks);
   /// Makes that the sample; of all ranks, or of none. Collective.
   Status EnlargeSample(Communicator& ranks);
 
-  /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
+  /// Waits for the end, at most `seconds`; whether the writing has ended on all ranks.
   /// Collective.
   bool Advance(Communicator& ranks, double seconds)
   {
@@ -79,8 +78,8 @@ public:
   void Stop() { this->Writing->Stop(); }
   /// The finished fraction, 0 to 1.
   double GetProgress() const { return this->Writing->GetProgress(); }
-  /// Seconds until the end, if it goes on as before; negative if nobody knows yet. What an earlier
-  /// try has left, and this one goes on with, is no pace.
+  /// Seconds until the end, if it goes on as before; negative if that is not known yet. The part
+  /// that an earlier try has left does not count for the pace.
   double EstimateSeconds() const;
 
   /// How it ended, and what of the source is left out (WriteSourceIndex). Only after Advance() has
@@ -97,8 +96,8 @@ public:
 private:
   /// Each rank tells the others what it has sampled, now and then.
   Status GatherSamples(Communicator& ranks);
-  /// Begins to make the volume of what all ranks know of the sample, if that is much more than what
-  /// is shown.
+  /// Begins to make the volume of the slices of the sample that all ranks know, if these are many more
+  /// than those that are shown.
   Status BeginEnlarging(Communicator& ranks);
 
   const SourceIndex Index;

@@ -22,8 +22,8 @@ struct Lattice
 };
 
 /**
- * In which order to read boxes of a source, so that what has been read after any part of the order
- * is the finest lattice, or the largest one, that so much reading gives.
+ * In which order to read boxes of a source, so that after any part of the order the samples that were
+ * read are the finest lattice, or the largest one, for their number.
  */
 class ReadingOrder
 {
@@ -37,7 +37,7 @@ public:
   virtual std::vector<VertexBox> FindNext() = 0;
   /// What can be shown when all parts that FindNext() has returned are read.
   virtual Lattice GetLattice() const = 0;
-  /// The multiples of this step are all that any lattice has.
+  /// Every lattice contains only multiples of this step.
   const Index3& GetStep() const { return this->Step; }
   /// That of a lattice of all vertices.
   virtual const Index3& GetWholeStep() const { return this->Step; }

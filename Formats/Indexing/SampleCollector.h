@@ -15,7 +15,7 @@ namespace isosurface
 {
 
 /**
- * Keeps a sample of what somebody else reads of a volume: so a picture grows while the volume is
+ * Keeps a sample of the boxes that the index writer reads of a volume: so a picture grows while it is
  * indexed, and nothing is read twice. The slices of the sample are complete in the order of z, if
  * they are read so. Ranks that read parts of the volume tell each other what they know (Pack).
  *

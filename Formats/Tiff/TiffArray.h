@@ -44,7 +44,7 @@ public:
   {
     return this->IsOffset ? ValueType::Int16 : this->Format.Type;
   }
-  /// Of one page, so many strips or tiles that a block needs few chunks of it.
+  /// The number of strips or tiles of one page by which a block needs few chunks.
   Numbers GetChunk() const override { return this->Chunk; }
   bool DecodesInParallel() const override { return true; }
   std::uint64_t GetHeldBytes() const override;

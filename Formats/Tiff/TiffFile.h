@@ -122,7 +122,7 @@ public:
   const TiffFormat& GetFormat() const { return this->Format; }
   /// Sets the format that FindPages() found before, when a file is opened again.
   void SetFormat(const TiffFormat& format) { this->Format = format; }
-  /// The width and height of what is decoded at once of a page, after TakeFormat(): a strip
+  /// The width and height of the part of a page that is decoded at once, after TakeFormat(): a strip
   /// or a tile, or a row if nothing is decoded.
   const std::array<std::int64_t, 2>& GetUnit() const { return this->Unit; }
   /// The maximum memory for reading, besides the samples, after FindPages() and TakeFormat().

@@ -35,7 +35,7 @@ public:
   Status TakeImage(TiffImage& image);
   /// Takes the pages of several files, one after the other, as slices.
   Status TakeStack(const std::vector<std::string>& paths, TiffImage& image);
-  /// Goes to the finest level of at most so many vertices as chosen, or the coarsest.
+  /// Goes to the finest level of at most the chosen number of vertices, or the coarsest.
   void ChooseLevel();
 
   /// The slices of each channel that is there.

@@ -40,7 +40,7 @@ public:
 
   static bool IsReader(vtkSMProxy* proxy);
   static vtkBoundingBox FindBounds(pqPipelineSource* source);
-  /// Has views show all of what is much larger than these bounds, which it had before.
+  /// Has views show all of a source that has become much larger than its bounds `before`.
   static void FrameIfLarger(pqPipelineSource* source, const vtkBoundingBox& before);
 
   /// Waits until no index is written any more, before something is saved.

@@ -55,7 +55,7 @@ public:
   /// That the ranks of a server sleep while they extract, so that their waiting for messages does
   /// not take the cores.
   static constexpr int SliceMilliseconds = 60;
-  /// A surface of so many triangles may take longer to draw than a hand should wait.
+  /// A surface of this number of triangles may take longer to draw than a hand should wait.
   static constexpr double LargeSurface = 1e6;
   /// A hand that has not moved for this long rests.
   static constexpr int RestMilliseconds = 150;

@@ -37,15 +37,15 @@ public:
   /// beside it.
   static constexpr double MovingPortionSeconds = 0.12;
   static constexpr double RestingPortionSeconds = 0.3;
-  /// A hand moves for so long after its last event.
+  /// A hand counts as moving until this time after its last event.
   static constexpr int MovingMilliseconds = 300;
-  /// After a portion or an update, for what a moving hand has asked.
+  /// After a portion or an update, for the events of a moving hand.
   static constexpr int PauseMilliseconds = 20;
   /// A hand at the wheel turns it again within this time.
   static constexpr int RestMilliseconds = 150;
   /// While a mouse button is down.
   static constexpr int PollMilliseconds = 10;
-  /// A view that changes in each portion is drawn at once after so many.
+  /// A view that changes in each portion is drawn at once after this number of portions.
   static constexpr int MostPortions = 300;
 
   /// Draws all views: those of this process in portions, others at once.
@@ -54,7 +54,7 @@ public:
   /// Leaves the views as they are.
   void Stop();
 
-  /// Notices mouse, wheel and keys; hides nothing from anybody.
+  /// Notices mouse, wheel and keys; filters no event.
   bool eventFilter(QObject* receiver, QEvent* event) override;
 
 private Q_SLOTS:
@@ -65,14 +65,14 @@ private Q_SLOTS:
   void HoldImage(vtkObject* interactor, unsigned long event);
   void DrawHeldImage(vtkObject* interactor, unsigned long event);
   void Advance();
-  /// A view that was drawn as a whole by somebody else is done.
+  /// A view that another rendering has drawn as a whole is done.
   void Forget();
 
 private:
   Q_DISABLE_COPY(pqSurfaceDrawing)
 
   bool IsHandMoving() const;
-  /// Draws a view in portions, after so long, if this process draws it; false otherwise.
+  /// Draws a view in portions, after `milliseconds`, if this process draws it; false otherwise.
   bool Add(pqView* view, int milliseconds = 0);
   /// Draws a portion; whether the image is whole, and shown.
   bool DrawPortion(pqView* view);

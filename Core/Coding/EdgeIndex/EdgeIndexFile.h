@@ -29,7 +29,7 @@ struct EdgeIndexSelection
   std::optional<VertexBox> Box;
   /// Indices of EdgeIndexHeader::Isovalues, in the order of the surface's parts; empty for all of them.
   std::vector<std::size_t> Isovalues;
-  /// One of so many pieces of what is selected so far, with about equal numbers of points.
+  /// Piece number Piece of NumberOfPieces of the selection above, with about equal numbers of points.
   int Piece = 0;
   int NumberOfPieces = 1;
 };
@@ -60,7 +60,7 @@ public:
   std::uint64_t GetFingerprint() const;
 
   bool IsComplete() const { return this->Missing.empty(); }
-  /// What is missing, as a message for the user; empty if the file is complete.
+  /// The missing blocks, as a message for the user; empty if the file is complete.
   const std::string& GetMissing() const { return this->Missing; }
 
   /// The indices of the selected blocks in GetEntries(). Errors: InvalidArgument.

@@ -36,7 +36,7 @@ public:
   bool IsCollective() const { return this->Relay != nullptr; }
   /// Asks it to stop, without waiting for that.
   void Stop() { this->Task->Stop(); }
-  /// Waits for the end, but not longer than so many seconds; whether all ranks have come to it.
+  /// Waits for the end, at most `seconds`; whether the work has ended on all ranks.
   /// Collective.
   bool Advance(Communicator& ranks, double seconds);
   /// Waits for the end, and tells how it ended; Aborted if the progress of any rank says so before.

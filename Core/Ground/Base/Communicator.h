@@ -28,8 +28,8 @@ struct CommonValue
 /// The content of a file, told by its fingerprint, which ranks may see differently under its path.
 CommonValue MakeCommonFile(const std::string& path, std::uint64_t fingerprint);
 
-/// What a collective throws on all ranks if one of them has not enough memory for its messages. Then
-/// nothing was sent, and the ranks may go on to another collective.
+/// Thrown on every rank by a collective when any rank cannot allocate its message buffers. Then nothing
+/// was sent, and the ranks may go on to another collective.
 class NoMemoryForMessages : public std::bad_alloc
 {
 public:

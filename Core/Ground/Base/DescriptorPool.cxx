@@ -168,7 +168,7 @@ PooledFile::~PooledFile()
 
 Result<std::shared_ptr<Descriptor>> PooledFile::OpenPath(int flags, const char* action)
 {
-  // O_NONBLOCK: if a FIFO has come to be there meanwhile, nobody waits for its other end.
+  // O_NONBLOCK: does not wait if the path has become a FIFO meanwhile.
   flags |= O_CLOEXEC | O_NONBLOCK;
   int number = OpenUninterrupted(this->Path, flags);
   if (number < 0 && (errno == EMFILE || errno == ENFILE))

@@ -83,8 +83,8 @@ public:
   {
     return Status(StatusCode::Unsupported, path + ": cannot be written by several programs");
   }
-  /// Opens an existing file to append to it. What is beyond `size` bytes is cut off; Corrupt
-  /// ("truncated") if it has fewer.
+  /// Opens an existing file to append to it. Bytes beyond `size` are cut off; Corrupt
+  /// ("truncated") if the file has fewer.
   virtual Result<std::unique_ptr<WritableFile>> OpenForAppending(
     const std::string& path, std::uint64_t)
   {
@@ -134,8 +134,8 @@ std::string HidePath(const std::string& path);
 /// descriptors (DescriptorPool). What is no regular file is refused at once, without waiting.
 FileSystem& GetLocalFileSystem();
 
-/// A warning if a path's disk has no room for so many bytes, which are `measure` ("about") what will be
-/// written; empty if it has, or is not known.
+/// A warning if the disk of `path` has no room for `bytes`, which are `measure` ("about") the bytes
+/// to be written; empty if it has room, or that is not known.
 std::string DescribeLackOfRoom(FileSystem& files, const std::string& path, std::uint64_t bytes,
   const std::string& measure = "up to");
 

@@ -23,11 +23,11 @@ constexpr std::uint64_t LargestKept = std::uint64_t(1) << 30;
  */
 void* TakeMemory(std::size_t size);
 
-/// Keeps memory of TakeMemory() or of malloc() in place of what was released longest ago, or frees it.
-/// Memory that was taken may also be freed by free().
+/// Keeps memory of TakeMemory() or of malloc() in place of the memory released longest ago, or
+/// frees it. Memory that was taken may also be freed by free().
 void ReleaseMemory(void* memory) noexcept;
 
-/// Frees what is kept.
+/// Frees all kept memory.
 void FreeKeptMemory() noexcept;
 
 /// Bytes that are kept, and not in use.

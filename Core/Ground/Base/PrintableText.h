@@ -8,7 +8,7 @@ namespace isosurface
 {
 
 /// The text with its control characters (of ASCII, and U+0080 to U+009F in UTF-8) as escapes such as
-/// "\x1b": a terminal obeys none of what a file says. Lines stay lines.
+/// "\x1b", so that a terminal obeys no text of a file. Lines stay lines.
 std::string MakePrintable(const std::string& text);
 
 } // namespace isosurface

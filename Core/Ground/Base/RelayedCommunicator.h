@@ -28,14 +28,14 @@ public:
   explicit RelayedCommunicator(Communicator& ranks);
 
   /**
-   * Performs collectives of the background threads by `ranks` for about so many seconds. Returns
+   * Performs collectives of the background threads by `ranks` for about `seconds`. Returns
    * early when `isEnded()` is true on all ranks; that result is the same on all of them.
    * Collective. If a collective has begun, it ends, however long it takes.
    */
   bool Serve(Communicator& ranks, double seconds, const std::function<bool()>& isEnded);
 
   /// Makes the background thread's current collective, and every later one, throw
-  /// std::runtime_error: nobody serves it any more. This rank alone.
+  /// std::runtime_error, since no thread serves it any more. This rank alone.
   void Close();
 
   int GetRank() const override { return this->Rank; }

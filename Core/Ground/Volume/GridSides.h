@@ -15,7 +15,7 @@ namespace isosurface
 struct GridSides
 {
   std::array<bool, 6> Sides{}; ///< the low side of axis a at 2 * a, the high one at 2 * a + 1
-  /// Whether what lies beyond them counts as inside, so that what is outside becomes a body: pores.
+  /// Whether space beyond these sides counts as inside, so that outside samples become a body: pores.
   bool AreBeyondInside = false;
 
   static GridSides All() { return { { true, true, true, true, true, true }, false }; }

@@ -21,8 +21,8 @@ struct Supply
   VertexBox Box;
 };
 
-/// Takes each vertex of the boxes in `missing` from the first piece that has it. What no piece has
-/// is left in `missing`.
+/// Takes each vertex of the boxes in `missing` from the first piece that has it. Vertices that
+/// no piece has are left in `missing`.
 std::vector<Supply> FindSupplies(
   const std::vector<VertexBox>& pieces, std::vector<VertexBox>& missing);
 

@@ -28,7 +28,7 @@ struct VolumeChoice
   bool IsRecorded = false;         ///< whether a volume names it, perhaps with axes without effect
   std::vector<std::string> Arrays; ///< names; empty: all. Unknown names choose nothing
   bool WantsAttributes = false;    ///< whether to fill OpenedVolume::Attributes
-  /// Of a pyramid, the finest level of at most so many vertices, or the coarsest; 0: the finest.
+  /// Of a pyramid, chooses the finest level of at most Vertices, or the coarsest; 0: the finest.
   std::int64_t Vertices = 0;
   /// What decoded chunks may take between reads.
   std::uint64_t CacheBytes = std::uint64_t{ 256 } << 20;

@@ -28,9 +28,8 @@ struct MemoryQuery;
 struct SurfaceQuery;
 
 /**
- * What is contoured on one rank, block by block: all that a consumer needs that
- * takes a surface piece by piece. Blocks are read when they are asked for, so such a consumer needs
- * memory for as many as it has at once.
+ * The active blocks of a contour on one rank, for a consumer that takes a surface piece by piece.
+ * Blocks are read when the consumer takes them, so it needs memory for those that it holds at once.
  */
 struct ContourBlocks
 {
@@ -46,8 +45,8 @@ struct ContourBlocks
   std::string Origin;         ///< where the samples came from, for people
   std::optional<double> Time; ///< of the samples
   std::optional<IslandRequest>
-    Islands; ///< that the filter keeps, if it looks for islands; see LeaveOutIslands
-  KeyRange FiniteRange;       ///< of the contoured values, of blocks that are not active too
+    Islands;            ///< that the filter keeps, if it looks for islands; see LeaveOutIslands
+  KeyRange FiniteRange; ///< of the contoured values, of blocks that are not active too
 
   /// Set by the caller: whether Source is to give samples for gradients, and samples of the
   /// arrays to interpolate.
@@ -55,7 +54,7 @@ struct ContourBlocks
   bool Attributes = false;
   std::vector<InterpolatedArray> Arrays; ///< to interpolate, in the order of Source's attributes
 
-  /// This rank's active blocks. What it refers to is in Owner.
+  /// This rank's active blocks. Owner keeps the samples that Source refers to.
   std::unique_ptr<BlockSource> Source;
   /// Numbers of these blocks, ascending: of all blocks of the grid, whichever rank has them. They
   /// are the same for any number of ranks.

@@ -50,7 +50,8 @@ public:
   virtual Result<int> FitLevel(Communicator&, int level) { return level; }
   /// Of all ranks.
   virtual Result<double> EstimateTriangles(int level) = 0;
-  /// The memory in bytes that a rank needs for its part of so many triangles; 0 if that is not known.
+  /// The memory in bytes that a rank needs for its part of `triangles` triangles; 0 if that is not
+  /// known.
   virtual double EstimateBytes(double triangles) const = 0;
 
   /// This rank's part of the surface at a level, the prepared one if it is that. Cost.Level is coarser

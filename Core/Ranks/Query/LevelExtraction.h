@@ -41,8 +41,9 @@ struct ExtractionTask
   /// What is extracted is the same in all, but which rank has which block may differ from call to
   /// call.
   Communicator* Sharing = nullptr;
-  /// If given, the volume is a sample of one that is being written, of which so many slices of cells
-  /// are extracted exactly; of the sample only what lies behind them. Ranks do not share such blocks.
+  /// If given, the volume is a sample of one that is being written: the first FinishedSlices slices of
+  /// cells are extracted exactly, and of the sample only the cells behind them. Ranks do not share such
+  /// blocks.
   std::shared_ptr<FinishedLayers> Finished = nullptr;
   std::int64_t FinishedSlices = 0;
 };
@@ -56,7 +57,7 @@ struct ExtractionOutcome
 
 /// This rank's part of the surface at a level. Collective if blocks are shared (`Sharing`), else
 /// not. Errors: those of reading the volume; Aborted when the progress says so. They are this
-/// rank's: if one has failed, the others have extracted what it has left.
+/// rank's alone: the other ranks extract the blocks that a failed rank has left.
 Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& outcome);
 
 } // namespace isosurface

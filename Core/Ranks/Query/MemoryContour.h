@@ -28,8 +28,8 @@ struct MemoryQuery
   isosurface::Region Region;
   int Threads = 1;
   ContourRequest Request;
-  /// Whether the blocks of whole grids are contoured, each by one rank, which is sent what it does
-  /// not have; else those of each piece.
+  /// Whether the blocks of whole grids are contoured, each by one rank, which is sent the samples
+  /// that it lacks; else the blocks of each piece.
   bool Joins = false;
 
   /// The same of every 2^level-th vertex, in views of the same samples.

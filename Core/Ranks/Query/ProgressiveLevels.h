@@ -14,7 +14,7 @@ namespace isosurface
 constexpr double FirstSurfaceShare = 1.0 / 20;
 
 /// The maximum number of triangles of the first surface: two cores without a graphics card extract
-/// and draw so many in about a tenth of a second.
+/// and draw this number in about a tenth of a second.
 constexpr double FirstSurfaceTriangles = 100'000;
 
 /**
@@ -29,8 +29,8 @@ constexpr double FirstSurfaceTriangles = 100'000;
  */
 Result<int> FindFirstLevel(BlockedVolume& volume, const SurfaceQuery& query, int finest);
 
-/// Up to so many triangles, a surface is there soon enough for no other one to be shown between the
-/// first one and it. The samples of an index in place may have to be decompressed, which takes longer.
+/// Up to this number of triangles, no intermediate level is shown between the first surface and the
+/// final one. The samples of an index in place may have to be decompressed, which takes longer.
 constexpr double DirectSurfaceTriangles = 20'000'000;
 constexpr double DirectSurfaceTrianglesInPlace = 10'000'000;
 

@@ -7,7 +7,7 @@
 namespace isosurface
 {
 
-/// Ranks agree on shares in so many parts.
+/// The number of parts in which ranks agree on shares.
 constexpr double Millionths = 1e6;
 
 /// How far the surface that follows a coarse one is.

@@ -70,13 +70,13 @@ private:
 
   /// Null when the execution has ended, and nobody else has it.
   std::shared_ptr<BlockedVolume> GetVolume() const { return this->Volume.lock(); }
-  /// What extracts the surface with so many slices of exact layers.
+  /// Makes the extraction of the surface with `slices` of exact layers.
   ExtractionTask MakeTask(std::int64_t slices) const;
   Status PrepareTask(const ExtractionTask& task, int level);
   /// How many slices of exact layers the surface is to have, and its triangles. Collective.
   std::int64_t ChooseSlices(Communicator& ranks, std::int64_t finished, std::size_t triangles,
     Refinement& refinement) const;
-  /// Whether it is time for so many, and there is memory. Collective.
+  /// Whether `slices` of exact layers are due, and there is memory for them. Collective.
   bool IsGrowthDue(
     Communicator& ranks, std::int64_t slices, std::uint64_t freeMemory, Refinement& refinement);
 

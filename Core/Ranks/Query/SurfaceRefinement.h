@@ -64,11 +64,11 @@ public:
   /// Names the change that Refine itself has made.
   void KeepChange(std::uint64_t change) { this->Last.Wanted.Change = change; }
 
-  /// Begins to extract the next surface beside the calling thread, or waits for it, at most so many
-  /// seconds. Stage None: nothing follows. Collective: a reduction while the thread works, and those of
-  /// CollectiveTask::Advance.
+  /// Begins to extract the next surface beside the calling thread, or waits for it, at most
+  /// `seconds`. Stage None: nothing follows. Collective: a reduction while the thread works, and
+  /// those of CollectiveTask::Advance.
   Refinement Prepare(Communicator& ranks, double seconds, std::uint64_t change);
-  /// Forgets what was prepared.
+  /// Forgets the prepared surface.
   void DropPrepared();
   /// Lets surfaces be larger than the memory until the next change.
   void AcceptSize() { this->Last.SizeAccepted = true; }

@@ -23,7 +23,7 @@ class SurfaceUnpacking;
 
 /**
  * Brings an isosurface from the ranks that have its blocks to the ranks that draw it. Each drawing
- * rank gets a compact piece of equal work (MakeCompactPartition), whoever had its blocks:
+ * rank gets a compact piece of equal work (MakeCompactPartition) from any ranks:
  *
  * 1. Every rank encodes all its blocks (PackBlocks), including those that stay.
  * 2. All ranks gather the descriptions of all blocks and make the same ExchangePlan.

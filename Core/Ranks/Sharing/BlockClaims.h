@@ -43,7 +43,7 @@ public:
   void LetOthersIn() override { this->Counters.LetOthersIn(); }
 
   /// Claims all that is left of a rank's own share: the rank has failed, so there will be no
-  /// surface, and nobody needs to extract it.
+  /// surface, and no rank needs to extract the share.
   static void Withdraw(SharedCounters& counters, int rank);
 
 private:

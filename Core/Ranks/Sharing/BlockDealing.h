@@ -18,8 +18,8 @@ namespace isosurface
  * the same rank at all isovalues and wherever it is stored, so block caches stay warm, and no rank
  * needs a message from another one.
  *
- * What is uneven in the active blocks of an isovalue nevertheless is evened out: of ranks with too
- * much predicted work a few blocks go to others (ActiveBlockWork).
+ * Active blocks of an isovalue that are nevertheless uneven are evened out: ranks with too much
+ * predicted work give a few blocks to others (ActiveBlockWork).
  */
 class BlockDealing
 {

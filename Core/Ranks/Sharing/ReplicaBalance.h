@@ -33,16 +33,16 @@ std::vector<std::vector<std::uint64_t>> BalanceReplicas(const std::vector<std::u
   double tolerance = 1.0 / 256);
 
 /**
- * A tolerance that pays: of blocks whose triangles nobody knows, a part of a store's has more or
- * less work than its share of the blocks, by half a mean store's work over the root of its blocks
- * or so. `blocks`: active ones of all stores.
+ * A tolerance that pays: since the triangles of a block are not known, a part of a store's blocks
+ * has more or less work than its share of the blocks, by half a mean store's work over the root of
+ * its blocks or so. `blocks`: active ones of all stores.
  */
 double FindTolerance(std::uint64_t blocks, std::size_t servers);
 
 /**
- * The server of each block of a store, as an index into its `shares`: each serves so many blocks as
- * its share of the work is, to the nearest. Blocks are taken in an order that mixes their ordinals,
- * so a block seldom changes its server when the isovalue changes a little.
+ * The server of each block of a store, as an index into its `shares`: each serves a part of the
+ * blocks in proportion to `shares`, to the nearest block. Blocks are taken in an order that mixes
+ * their ordinals, so a block seldom changes its server when the isovalue changes a little.
  */
 std::vector<std::uint32_t> ShareBlocks(
   const std::vector<std::uint32_t>& ordinals, const std::vector<std::uint64_t>& shares);

@@ -14,10 +14,10 @@ namespace isosurface
 /**
  * Runs a step of a query on all ranks, and once more as long as it fails on a rank and the ranks
  * learn of lost or damaged stores: their blocks are shared anew among the ranks that have replicas.
- * `step` returns this rank's status; it may be collective. `getVolume` is called after it: what was
- * read, a pointer, null if that was no volume, on all ranks alike. `warning`: names the stores that
- * were found to be lost or damaged, the same on all ranks; else unchanged. Collective, unless the
- * volume has no replicas.
+ * `step` returns this rank's status; it may be collective. `getVolume` is called after `step`; it
+ * returns the volume that was read, or null, the same on all ranks. `warning`: names the stores
+ * that were found to be lost or damaged, the same on all ranks; else unchanged. Collective, unless
+ * the volume has no replicas.
  *
  * Returns this rank's status, which the ranks have agreed on if there are replicas.
  */

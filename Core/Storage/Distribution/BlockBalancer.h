@@ -31,7 +31,7 @@ namespace isosurface
 class BlockBalancer
 {
 public:
-  /// At most so many isovalues are looked at. They are closer together where there is more work.
+  /// The maximum number of isovalues that are balanced, closer together where there is more work.
   static constexpr std::size_t Isovalues = 64;
   /// Isovalues with fewer cubes a store (about 500 triangles) are left out.
   static constexpr double MinimumCubes = 12;

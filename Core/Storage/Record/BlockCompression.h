@@ -23,7 +23,7 @@ const char* GetCodecName(SegmentCodec codec);
 std::optional<SegmentCodec> FindCodec(const std::string& name);
 
 /// How a writer compresses segments. A segment that would not shrink by at least a sixteenth is
-/// stored uncompressed, whatever is asked for here.
+/// stored uncompressed, with every Codec.
 struct BlockCompression
 {
   SegmentCodec Codec = SegmentCodec::None;

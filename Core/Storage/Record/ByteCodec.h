@@ -16,7 +16,7 @@ namespace isosurface
 std::size_t CompressBytes(SegmentCodec codec, int level, const std::uint8_t* from, std::size_t size,
   std::uint8_t* to, std::size_t capacity);
 
-/// Decompresses `stored` bytes into exactly `size`; false if they are not the code of so many
+/// Decompresses `stored` bytes into exactly `size`; false if they do not decompress to `size`
 /// bytes. Reads and writes within these bounds whatever the bytes are.
 bool DecompressBytes(SegmentCodec codec, const std::uint8_t* from, std::size_t stored,
   std::uint8_t* to, std::size_t size);

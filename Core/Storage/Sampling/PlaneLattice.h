@@ -102,8 +102,8 @@ struct LevelLattice
 };
 
 /**
- * The lattice of the finest level, from a first one on, at which it has at most `maximumPoints`. If
- * none has so few, it has larger cells.
+ * The lattice of the finest level, from a first one on, at which the lattice has at most
+ * `maximumPoints`. If it has more points at every level, its cells become larger.
  *
  * The last vertices of a coarse level may lie before the plane. Then a plane along two axes is that
  * of the last vertices; any other one stays at the coarsest level that it meets. Nothing if the

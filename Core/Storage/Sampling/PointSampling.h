@@ -45,8 +45,9 @@ struct PointPortions
 
 /**
  * Fills `values` with one variable at points, and `isInside` with 1 for each point within the grid,
- * else with 0; there the value stays what it was. `isInside` may be null. Points beyond the grid by less than a millionth of
- * a cell count as inside. Values have the variable's type; successive ones are `stride` apart.
+ * else with 0; the values of points beyond it are left as they were. `isInside` may be null. Points
+ * beyond the grid by less than a millionth of a cell count as inside. Values have the variable's
+ * type; successive ones are `stride` apart.
  *
  * A vertex of weight 0 has no part in a value: at a vertex the value is its sample, whatever is
  * around it.

@@ -104,9 +104,9 @@ public:
   {
   }
 
-  /// One row in so many is measured; the number grows with the grid. Errors grow with the stride
-  /// and fall with the side of the grid: the error of a surface across the grid is about 3 %, that
-  /// of a small surface more.
+  /// The stride of measured rows: one row in each stride is measured. It grows with the grid.
+  /// Errors grow with the stride and fall with the side of the grid: the error of a surface across
+  /// the grid is about 3 %, that of a small surface more.
   static std::int64_t ChooseRowStride(const GridGeometry& grid);
 
   /// Changes the bins. Nothing is counted that was not moved.

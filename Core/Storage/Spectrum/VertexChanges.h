@@ -39,7 +39,7 @@ public:
     std::int16_t Third;
   };
 
-  /// An active cell counts so much in a change; a triangle counts 1.
+  /// What an active cell counts in a change; a triangle counts 1.
   static constexpr int ActiveCellUnit = 256;
 
   /// Returns the memory for the values of a lattice, x fastest, for the caller to fill. `size`: at

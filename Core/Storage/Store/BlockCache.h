@@ -38,9 +38,8 @@ struct BlockCacheKey
  * Keeps decoded blocks in memory, up to a budget of bytes. The least recently used ones are evicted
  * first, but no block that the current query expects is evicted for one that it does not. So a
  * query larger than the budget finds some of its blocks at the next isovalue, where plain LRU would
- * evict each block just before it is needed. A block that somebody still holds outlives its
- * eviction. Safe for any number of threads; a block that several threads ask for at once is loaded
- * once.
+ * evict each block just before it is needed. A block that a caller still holds outlives its
+ * eviction. Safe for any number of threads; a block that several threads get at once is loaded once.
  */
 class BlockCache
 {
@@ -69,8 +68,8 @@ public:
   /// Whether the block is here or being loaded. It may be evicted before the call returns.
   bool Contains(const BlockCacheKey& key) const;
 
-  /// Counts the users of a dataset. When its last one goes, its blocks leave the cache: nobody can
-  /// ask for them any more. Blocks of a dataset without users are kept as any others. Cost of the
+  /// Counts the users of a dataset. When the last user goes, its blocks leave the cache: they can
+  /// not be found any more. Blocks of a dataset without users are kept as any others. Cost of the
   /// last Release: a look at each entry.
   void Retain(std::uint64_t dataset);
   void Release(std::uint64_t dataset);

@@ -50,8 +50,8 @@ public:
   static std::vector<std::string> ListPaths(
     const std::string& folder, const ArrayVariables& variables);
 
-  /// What a tree of a variable has in its header: it belongs to the records of this store of this
-  /// time step, whose checksum the description has, and to the variable.
+  /// The identity in the header of a variable's tree: of the records of this store of this time step,
+  /// whose checksum the description has, and of the variable.
   static std::uint64_t GetTreeIdentity(const StoreDescription& description, std::size_t variable);
   /// Corrupt unless the tree is that of the store and the variable, as it was written.
   static Status CheckTree(
@@ -62,7 +62,7 @@ public:
     SamplePlace place);
 
   /// Opens the records and the directory. NotFound if the folder is missing, Corrupt if the files
-  /// do not fit `description`. `source`: what has the samples of a volume in place, else null.
+  /// do not fit `description`. `source`: the samples of a volume in place, else null.
   static Result<std::shared_ptr<BlockStore>> Open(FileSystem& files, const std::string& folder,
     const BlockedVolumeHeader& header, const StoreDescription& description,
     std::shared_ptr<SourceSamples> source = nullptr);

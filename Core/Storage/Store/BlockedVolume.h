@@ -100,7 +100,7 @@ public:
    */
   Result<StoreNews> ShareStoreFaults(Communicator& ranks);
   /// Ok unless the time step's samples are in a file that is open, and was changed since it was
-  /// indexed: what the block cache has is of the file as it was. Corrupt. Cost: a look at its files.
+  /// indexed: the block cache has samples of the file as it was. Corrupt. Cost: a look at its files.
   Status CheckSource(std::size_t timeStep);
   /// Differs if ShareStoreFaults has learnt something: shares may be others then.
   std::uint64_t GetFaultEpoch() const { return this->FaultEpoch; }

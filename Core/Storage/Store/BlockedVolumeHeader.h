@@ -51,7 +51,7 @@ struct TimeStepDescription
   std::vector<KeyRange> Ranges; ///< per variable: range of its finite values, or empty
   std::vector<StoreDescription> Stores;
   std::vector<std::vector<StoreDescription>> Overviews; ///< per overview: its stores
-  std::optional<SourceRecord> Source; ///< what has the samples at level 0, if the stores have not
+  std::optional<SourceRecord> Source; ///< of the samples at level 0, if the stores have none
   std::optional<SourceRecord> CopyOf; ///< what the samples were copied from, if that is recorded
 };
 
@@ -86,7 +86,7 @@ struct BlockedVolumeHeader
   static constexpr std::int64_t FormatVersion = 1;
   static constexpr std::uint64_t MaximumSize = std::uint64_t{ 1 } << 28;
   static constexpr std::int64_t MaximumStores = 1 << 20;
-  /// A volume may have so many stores, even if it has fewer blocks.
+  /// The number of stores that every volume may have, even with fewer blocks.
   static constexpr std::int64_t StoresOfAnyVolume = 4096;
   static constexpr std::uint32_t MaximumReplicas = 16;
   static constexpr std::int64_t MaximumCoordinate = std::int64_t{ 1 } << 40;

@@ -17,7 +17,7 @@ namespace isosurface
  */
 void AppendPackedCounts(const std::vector<std::uint64_t>& counts, std::vector<std::uint8_t>& bytes);
 
-/// Reads counts.size() counts; false if there are not so many, or a number does not fit.
+/// Reads counts.size() counts; false if there are fewer, or a number does not fit.
 bool ReadPackedCounts(ByteReader& reader, std::vector<std::uint64_t>& counts);
 
 } // namespace isosurface

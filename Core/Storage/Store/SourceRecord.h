@@ -20,7 +20,7 @@ namespace isosurface
 /**
  * Where the samples at full resolution of a time step are, if the blocked volume itself has none
  * (a volume in place): in a file of another format, as it was when it was indexed. Or, as "copyOf",
- * what the volume's own samples were copied from.
+ * the file that the volume's own samples were copied from.
  *
  *     "source": { "path": string, "absolutePath": string, "within": string, "axes": string,
  *                 "step": integer, "arrays": [string, ...], "chunk": [x, y, z], unless it is a stream,
@@ -62,10 +62,10 @@ Result<OpenedVolume> OpenSource(FileSystem& files, VolumeOpener opener, const st
 
 /**
  * Describes a source for the blocked volume `header`. `name`: as the user gives it (VolumeName).
- * `wanted`: what of it is meant: Axes, Step and Arrays; if the source does not have all names, but as
- * many arrays, all are meant. `arrays`: what they have to be, names apart. Errors name the source:
- * NotFound, InvalidArgument if it has other arrays or
- * another size than `grid`.
+ * `wanted`: its Axes, Step and Arrays choose from the source; if the source lacks a name but has as
+ * many arrays, all are chosen. `arrays`: the types and components that the chosen arrays must have.
+ * Errors name the source: NotFound, InvalidArgument if it has other arrays or another size than
+ * `grid`.
  */
 Result<SourceRecord> DescribeSource(FileSystem& files, VolumeOpener opener,
   const std::string& header, const std::string& name, const SourceRecord& wanted,

@@ -69,7 +69,7 @@ public:
 
   /// The slices of the deepest chunks.
   std::int64_t GetChunkSlices() const;
-  /// The bytes that all chunks that so many adjacent slices need take in a cache.
+  /// The bytes in a cache of all chunks that `slices` adjacent slices need.
   std::uint64_t GetSlabBytes(std::int64_t slices) const;
   /// The bytes that a thread takes while it decodes a chunk.
   std::uint64_t GetThreadBytes() const;

@@ -60,7 +60,7 @@ enum class ReplicaState : std::uint8_t
 class StoreFaults
 {
 public:
-  /// What one message has at most; the rest waits for the next one.
+  /// The maximum number of faults of a message; the others wait for the next one.
   static constexpr std::size_t MaximumOfMessage = 256;
 
   /// Remembers what this rank has found.
@@ -75,10 +75,10 @@ public:
   /// Whether there is a fault at all, so that most queries need no look at each block.
   bool IsEmpty() const;
 
-  /// What this rank has found that is not common yet.
+  /// The faults that this rank has found, and that are not common yet.
   Message Pack() const;
-  /// Makes what the ranks have packed common: the same messages in the same order on all ranks.
-  /// Returns the faults that are new, in their order.
+  /// Makes the faults that the ranks have packed common: the same messages in the same order on all
+  /// ranks. Returns the faults that are new, in their order.
   std::vector<StoreFault> Join(const std::vector<Message>& ofRanks);
 
 private:

@@ -27,7 +27,7 @@ class StoreRecords
 public:
   static std::string GetPath(const std::string& folder) { return folder + "/blocks"; }
 
-  /// `header`: of the volume. `source`: what has the samples of a volume in place, else null.
+  /// `header`: of the volume. `source`: the samples of a volume in place, else null.
   static Result<std::unique_ptr<StoreRecords>> Open(FileSystem& files, const std::string& folder,
     const BlockedVolumeHeader& header, std::shared_ptr<SourceSamples> source = nullptr);
 
@@ -39,7 +39,7 @@ public:
 
   /// Reads the components [first, first + count) of a block up to a level, by one contiguous read,
   /// which at a level above 0 includes the finer levels of all components but the last one; and
-  /// decodes them. Corrupt if the record is not what the entry says, or damaged.
+  /// decodes them. Corrupt if the record does not fit the entry, or is damaged.
   Result<DecodedBlocks> Read(const BlockDirectoryEntry& entry, std::size_t first, std::size_t count,
     int level, QueryStatistics& statistics) const;
 

@@ -48,7 +48,7 @@ public:
 
   /**
    * Calls `read` with a replica of a store: the preferred one, or, if it is known to be lost or
-   * turns out to be, the others, until one succeeds. What is wrong with the preferred replica is
+   * turns out to be, the others, until one succeeds. The fault of the preferred replica is
    * kept in GetFaults(). `ordinal`: the block that is read, if only that is. Errors: that of the
    * first replica, with those of the others; if memory is short or the volume was rewritten, no
    * other one is tried.
@@ -123,11 +123,11 @@ private:
       , Preferred(preferred)
     {
     }
-    /// `ordinal`: of the block, if the rest of the replica may be read.
+    /// `ordinal`: of the block, if other blocks of the replica may be read.
     void Add(std::uint32_t replica, std::int64_t ordinal, const Status& error);
     /// Whether other replicas would not help.
     bool AreFinal() const { return this->IsFinal; }
-    /// Keeps what is known of the preferred replica now that another one could be read.
+    /// Keeps the fault of the preferred replica, now that another one could be read.
     void Keep();
     Status Join() const;
 

@@ -31,8 +31,8 @@ namespace isosurface
 class StoreVerification
 {
 public:
-  /// The references must outlive this object. `source`: what has the samples if their `place` is one;
-  /// if it is null they are not checked.
+  /// The references must outlive this object. `source`: the samples, if `place` is a source; if it is
+  /// null, samples are not checked.
   StoreVerification(FileSystem& files, const ArrayVariables& variables, const BlockGrid& grid,
     const StoreDescription& description, std::string folder, SamplePlace place,
     std::shared_ptr<SourceSamples> source)

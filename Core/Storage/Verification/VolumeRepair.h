@@ -19,7 +19,7 @@ struct VolumeRepair
   std::vector<std::string> Restored; ///< the folders of stores and replicas that were written anew
   std::uint64_t Bytes = 0;           ///< of their files
   std::vector<Status>
-    Refused; ///< what cannot be restored: the store and the blocks that nobody has
+    Refused; ///< replicas that cannot be restored: their store, and the blocks that no replica has
 };
 
 /**
@@ -29,9 +29,9 @@ struct VolumeRepair
  * files renamed into place; so a repair may be killed at any time, and the next one goes on.
  * Queries may go on meanwhile. The header stays as it is.
  *
- * What no replica has is refused; the rest is restored nevertheless. Errors: InvalidArgument if the
- * volume has no replicas; IoError if another program writes the volume, or there is no space;
- * Aborted.
+ * Stores with blocks that no replica has are refused; the others are restored nevertheless. Errors:
+ * InvalidArgument if the volume has no replicas; IoError if another program writes the volume, or
+ * there is no space; Aborted.
  *
  * Cost: reads all replicas once, and what is restored once more; writes that. Space: that of one
  * replica.

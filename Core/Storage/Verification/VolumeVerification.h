@@ -46,10 +46,10 @@ struct VolumeVerification
  *
  * Replicas of stores are checked like these.
  *
- * `header`: what is checked instead of the header at the path.
+ * `header`: checked instead of the header at the path.
  *
- * After a fault it continues with whatever does not depend on it. The result does not depend on the
- * number of threads. Aborted if `progress` asked to stop.
+ * After a fault it continues with the files that do not depend on the faulty one. The result does
+ * not depend on the number of threads. Aborted if `progress` asked to stop.
  *
  * Cost: one pass over the files. Memory: 8 bytes a segment and 24 bytes a block and variable, of
  * one time step, and a record and its samples for each thread.

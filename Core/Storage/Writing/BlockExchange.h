@@ -26,7 +26,7 @@ struct PendingBlock
   PendingBlock(const BlockGrid& grid, std::int64_t block, std::uint32_t store,
     const std::vector<ValueType>& types, Buffer<std::uint8_t> record = {});
 
-  /// The memory of a block whose record has so many bytes.
+  /// The memory of a block whose record has `record` bytes.
   static std::uint64_t GetBytes(std::uint64_t record)
   {
     return BlockRecord::AlignUp(record) + record / 32 + 1024;

@@ -80,7 +80,8 @@ private:
   /// Plans the next round, and starts reading for it.
   Status StartRound(const BlockRoundsSteps& steps, Round& round);
   std::int64_t ChooseBlocksAtOnce() const;
-  /// Tells the source what is read soon, when a layer of blocks begins that is read row by row.
+  /// Tells the source the boxes that are read soon, when a layer of blocks begins that is read row
+  /// by row.
   void PrefetchLayer(const BlockSpan& span) const;
   Status PlanRound(const BlockRoundsSteps& steps, std::vector<BlockSpan>& spans);
   std::uint64_t GetLoad(const std::vector<BlockSpan>& spans) const;

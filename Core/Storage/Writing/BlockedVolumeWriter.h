@@ -57,7 +57,7 @@ struct BlockedVolumeSettings
   /// one that the same writer appends and publishes.
   bool Publish = true;
   /// Keeps what is written if the write ends before all is, even if the program is killed: with at
-  /// least so many seconds between two checkpoints (0: after each round). The next write of the same
+  /// least JournalSeconds between two checkpoints (0: after each round). The next write of the same
   /// volume, from the same source, goes on there, with any number of ranks; it keeps the stores,
   /// unless the settings name a number. Only with InPlace or CopyOf, on file systems with locks.
   std::optional<double> JournalSeconds;

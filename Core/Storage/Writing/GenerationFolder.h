@@ -23,7 +23,7 @@ namespace isosurface
  *         spectra
  *         store-00000/  store-00001/  ...
  *
- *     .NAME.bvol.stores/journal            what is finished of it (WriteJournal), if anybody wants that
+ *     .NAME.bvol.stores/journal            the checkpoint of the write (WriteJournal), if it keeps one
  *
  * A writer that is killed leaves the header and its generation unchanged, and folders that no
  * header names. The next write goes on with them, or removes them first, to free space. One rank does all of this, and
@@ -38,8 +38,8 @@ public:
   static void RemoveUnnamed(FileSystem& files, const std::string& path,
     const BlockedVolumeHeader& pending, bool isJournaled);
 
-  /// Removes what a write has left that was killed, now and not with the next write. What its journal
-  /// has stays for the next one. Does nothing if somebody is writing there.
+  /// Removes the files of a killed write now, not with the next write. Files that its journal names
+  /// stay for the next one. Does nothing while another writer holds the lock.
   static void RemoveUnfinished(FileSystem& files, const std::string& path);
 
   /// Makes a folder with a number above all existing ones; returns its name. An error if another

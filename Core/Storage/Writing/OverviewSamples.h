@@ -40,7 +40,7 @@ class OverviewSource : public BoxSource
 public:
   static std::string GetPath(const std::string& folder, std::size_t store);
 
-  /// `blockStores`: the store of each block of the finer volume, which has so many `stores`.
+  /// `blockStores`: the store of each block of the finer volume, which has `stores` stores.
   /// `folder`: where the files are.
   OverviewSource(FileSystem& files, std::string folder, const BlockGrid& finer,
     std::vector<ValueType> types, std::vector<std::uint32_t> blockStores, std::size_t stores);

@@ -34,7 +34,7 @@ public:
     std::shared_ptr<RoundWriting> before);
   RoundWriting(const RoundWriting&) = delete;
   RoundWriting& operator=(const RoundWriting&) = delete;
-  /// Gives up what is not written.
+  /// Gives up the blocks that are not written.
   ~RoundWriting();
 
   /// A block may be changed until it is marked as finished.

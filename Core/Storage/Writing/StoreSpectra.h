@@ -31,10 +31,10 @@ public:
 
   const MeasuredGrid& GetGrid() const { return this->Grid; }
 
-  /// Adds what was counted in a block of one of this rank's stores.
+  /// Adds the counts of a block of one of this rank's stores.
   void Add(std::uint32_t store, std::size_t variable, const EdgeSums& counted);
 
-  /// What was counted so far in one of this rank's stores, and the way back: false if that is of
+  /// The counts so far of one of this rank's stores, as bytes, and back: false if the bytes are of
   /// other variables.
   std::vector<std::uint8_t> PackSums(std::uint32_t store) const;
   bool UnpackSums(std::uint32_t store, const std::vector<std::uint8_t>& packed);
@@ -61,7 +61,7 @@ public:
 
   /// The memory of this rank's spectra; on rank 0 also that of writing all of them.
   std::uint64_t GetBytes() const;
-  /// The memory of a thread's counters, for blocks of so many cells a side.
+  /// The memory of a thread's counters, for blocks of `blockSize` cells a side.
   static std::uint64_t GetCounterBytes(std::uint64_t blockSize);
 
 private:

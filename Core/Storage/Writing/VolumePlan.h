@@ -25,9 +25,9 @@ Result<std::optional<BlockedVolumeHeader>> FindVolumeToAppendTo(FileSystem& file
  * Plans the header of the volume that a write makes. Its last time step is the new one, of which
  * the time alone is known. A new volume gets its levels: two in the records of the volume's own
  * blocks, the next two in those of an overview, and so on until an overview is a single block,
- * which has the rest. `existing`: the volume that is appended to; it keeps its levels. `ranks`: the
- * number of stores of a new volume if the settings leave it open. InvalidArgument if the settings
- * or the time step do not fit.
+ * which has the remaining levels. `existing`: the volume that is appended to; it keeps its levels.
+ * `ranks`: the number of stores of a new volume if the settings leave it open. InvalidArgument if
+ * the settings or the time step do not fit.
  */
 Result<BlockedVolumeHeader> PlanVolume(const std::string& path, const GridGeometry& grid,
   const std::vector<ArrayDescription>& arrays, const BlockedVolumeSettings& settings,

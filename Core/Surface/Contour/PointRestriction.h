@@ -13,7 +13,7 @@
 namespace isosurface
 {
 
-/// Moves what a part has of some points to an earlier place.
+/// Moves the data of `count` points of a part from `from` to the earlier place `to`.
 void MovePoints(const BrickPart& part, const std::vector<AttributeLayout>& attributes,
   std::size_t from, std::size_t to, std::size_t count);
 

@@ -19,8 +19,9 @@ namespace isosurface
 
 /**
  * The first phase of an extraction whose blocks become known only during it. Each block is scanned
- * as if it had no neighbours. When all are known, what a neighbour owns is dropped, so the result
- * is that of BrickScan::Run for the same blocks, in the order of their numbers in the source.
+ * as if it had no neighbours. When all are known, points that a neighbour owns are dropped, so the
+ * result is that of BrickScan::Run for the same blocks, in the order of their numbers in the
+ * source.
  *
  * Cost beside that of BrickScan: points on the faces of blocks that meet are made more than once.
  */

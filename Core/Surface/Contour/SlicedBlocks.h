@@ -12,7 +12,7 @@
 namespace isosurface
 {
 
-/// What a source has between two slices of vertices, as a source of its own: blocks that are cut
+/// The blocks of a source between two slices of vertices, as a source of its own: blocks that are cut
 /// there have fewer cells. Gradients take samples beyond. The source must outlive this object.
 class SlicedBlocks : public BlockSource
 {

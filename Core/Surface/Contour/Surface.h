@@ -80,7 +80,7 @@ struct ContourRequest
    * normals of the isosurface. (With DropDegenerateTriangles, a vertex on the sides has one point,
    * with the mean of the sides' outward normals.) A grid of one vertex on an axis has no surface.
    *
-   * With GridSides::AreBeyondInside the layer is inside, and the closed surface bounds what is outside:
+   * With GridSides::AreBeyondInside the layer is inside, and the closed surface bounds the outside:
    * corners of triangles run the other way round, and normals point to high values.
    *
    * Besides the active blocks, the source must give the blocks at these sides that are entirely
@@ -103,8 +103,8 @@ struct ContourRequest
   std::vector<AttributeLayout> Attributes;
 };
 
-/// Whether a surface of so many points, and so many corners of all its cells, needs indices of 64
-/// bits. Connectivity and offsets then both have them, as vtkCellArray wants it.
+/// Whether a surface of `points` points, and `corners` corners of all its cells, needs indices of 64
+/// bits. Connectivity and offsets then both have 64 bits, as vtkCellArray wants it.
 constexpr bool NeedsWideIndices(std::size_t points, std::size_t corners)
 {
   constexpr std::size_t maximum = std::numeric_limits<std::int32_t>::max();

@@ -31,7 +31,7 @@ void ShiftAndScale(const float* points, std::size_t count, const double shift[3]
 /// Copies `count` values.
 void CopyValues(const float* values, std::size_t count, float* result, int threads);
 
-/// A texture of `Colors` colors over a range of values, with one more texel at each end for what is
+/// A texture of `Colors` colors over a range of values, with one more texel at each end for values
 /// beyond it.
 struct TextureRange
 {

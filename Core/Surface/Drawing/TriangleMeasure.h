@@ -15,8 +15,8 @@ namespace isosurface
 /// What drawing has to know of a surface.
 struct TriangleMeasure
 {
-  /// Triangles are counted, copied and left out of an image in runs of so many. The triangles of an
-  /// isosurface come block by block, so those of a run are close to each other.
+  /// Triangles are counted, copied and left out of an image in runs of TrianglesOfRun. The
+  /// triangles of an isosurface come block by block, so those of a run are close to each other.
   static constexpr std::size_t TrianglesOfRun = std::size_t{ 1 } << 9;
 
   bool IsValid = false; ///< whether every point number is one of the surface's points

@@ -16,9 +16,9 @@ namespace isosurface
 /**
  * Chooses which runs of a surface's triangles an image needs (TriangleMeasure). The caller draws
  * what FindFirst() returns, reads the depths of the image, and draws what FindNext() returns, until
- * that is nothing. What was visible in the image before is drawn first, or, of a new surface, what
- * would have been; of the rest what is not behind that. So no run is left out that has a visible
- * triangle.
+ * that is nothing. Runs that were visible in the image before are drawn first (of a new surface
+ * those that would have been), then the other runs that are not behind these. So no run is left out
+ * that has a visible triangle.
  *
  * Sources: L. Livnat, C. Hansen, "View dependent isosurface extraction", 1998, for surfaces in
  * blocks; U. Haar, S. Aaltonen, "GPU-driven rendering pipelines", 2015, for what was visible before.
@@ -65,7 +65,7 @@ private:
 
   template <typename IsMeantT>
   std::size_t Count(const IsMeantT& isMeant) const;
-  /// The waiting runs that are nearest, of about so many triangles.
+  /// Draws the nearest waiting runs, about `triangles` triangles.
   std::vector<Range> DrawNearest(std::size_t triangles);
   template <typename IsMeantT>
   std::vector<Range> Draw(const IsMeantT& isMeant);

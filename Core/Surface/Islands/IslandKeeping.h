@@ -12,8 +12,8 @@
 namespace isosurface
 {
 
-/// Drops the points and cells of the islands that are not kept, by island. What is kept stays in
-/// its order, bit for bit, in indices as wide as before. Memory meanwhile: the largest of the new
+/// Drops the points and cells of the islands that are not kept, by island. The kept ones stay in
+/// their order, bit for bit, in indices as wide as before. Memory meanwhile: the largest of the new
 /// arrays, and an index a point. Throws std::bad_alloc; the surface is then lost.
 void KeepIslands(const IslandLabels& labels, const std::vector<std::uint8_t>& areKept, int threads,
   Surface& surface);

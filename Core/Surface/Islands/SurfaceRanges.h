@@ -34,8 +34,8 @@ void ForRanges(std::size_t items, int threads, const Body& body)
     });
 }
 
-/// What was counted in each range becomes what was counted before it; what comes after the last
-/// range, and was 0, becomes the sum.
+/// Replaces the count of each range by the sum of the counts before it; the entry behind the last
+/// range, which was 0, becomes the sum of all.
 inline void SumRanges(std::vector<std::size_t>& counts)
 {
   std::size_t sum = 0;

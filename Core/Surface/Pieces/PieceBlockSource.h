@@ -45,8 +45,8 @@ struct PieceBlockSelection
  * The active blocks of a grid of which the ranks have pieces in memory, of any shape, overlapping
  * ones included. The blocks are those of the grid as a whole, so blocks and samples do not depend
  * on how the grid was cut. A block within a piece is a view of that piece. A block that pieces
- * share belongs to the first rank that has some of it, which is sent the rest, each vertex from the
- * first piece that has it. All Available samples of a piece count, so ghost layers fill gaps.
+ * share belongs to the first rank that has some of it, which is sent the samples that it lacks, each
+ * from the first piece that has it. All Available samples of a piece count, so ghost layers fill gaps.
  *
  * Memory besides the pieces, which must outlive the source: the samples of the shared active blocks
  * of this rank.
@@ -112,7 +112,7 @@ private:
 
   PieceBlockSource(const GridGeometry& geometry, std::vector<GridPiece> pieces,
     const PieceBlockSelection& selection);
-  /// What other ranks need to know of the pieces of this one; and adds the pieces of all ranks.
+  /// Describes the pieces of this rank to the others; and adds the pieces of all ranks.
   Status DescribePieces(Message& message) const;
   Status AddPieces(const std::vector<Message>& messages);
   Status AddPiecesOf(int rank, const Message& message);

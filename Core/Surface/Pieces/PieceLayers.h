@@ -36,7 +36,7 @@ public:
   /// for each. OutOfMemory, before any samples are sent.
   static Result<PieceLayers> Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces);
 
-  /// No layers, for so many pieces.
+  /// Makes room for `pieces` pieces without layers.
   void Resize(std::size_t pieces) { this->Parts.resize(pieces); }
 
   /// A part of the layer around a piece.
@@ -48,7 +48,7 @@ public:
     std::vector<std::uint8_t> Hidden; ///< 1 for a sample that is hidden
   };
 
-  /// Those of this rank's piece; empty if it needs none, or if nobody has any.
+  /// The parts of a piece of this rank; empty if it needs none, or if no rank has any.
   const std::vector<Part>& GetParts(std::size_t piece) const { return this->Parts[piece]; }
 
 private:
