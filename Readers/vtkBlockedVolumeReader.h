@@ -174,15 +174,6 @@ protected:
   void SetStandIn(vtkBlockedVolumeHandle* standIn);
 
   /**
-   * What is set of Spacing, Origin and LengthUnit. Errors name the file `path` and what is wrong with them.
-   */
-  isosurface::Status MakePlace(const std::string& path, isosurface::GridPlace& place) const;
-  /**
-   * Sets what the file says.
-   */
-  void TellGrid(const isosurface::GridGeometry& grid);
-
-  /**
    * The times of the file while there is nothing to open, or a sample of one of its time steps.
    */
   std::vector<double> SourceTimes;
@@ -204,6 +195,12 @@ private:
 
   struct Reading;        ///< the steps of RequestData
   struct PreparedOutput; ///< of the next execution
+
+  friend class vtkInPlaceVolumeReader;
+  /// What is set of Spacing, Origin and LengthUnit. Errors name the file `path` and what is wrong with them.
+  isosurface::Status MakePlace(const std::string& path, isosurface::GridPlace& place) const;
+  /// Sets what the file says.
+  void TellGrid(const isosurface::GridGeometry& grid);
 
   bool OpenVolume();
   /// Tells the pipeline about the arrays and times of the open volume.

@@ -49,6 +49,12 @@ def find(name="", kind="QWidget", text=None):
     return found
 
 
+def is_shown(name):
+    """Whether a widget of an object name is shown, though one may have to scroll to it."""
+    return any(widget.isVisible() and widget.objectName() == name
+               for window in top() for widget in window.findChildren(QtWidgets.QWidget))
+
+
 def dialog():
     """The title of the dialog that has to be answered; "-" until it takes what is typed."""
     modal = QtWidgets.QApplication.activeModalWidget()

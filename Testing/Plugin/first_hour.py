@@ -124,7 +124,7 @@ class FirstHour(unittest.TestCase):
         window.apply()
         # More than the lines of a box.
         window.wait("remember_view()", lambda share: share > 0.1)
-        window.wait("find('PointArrayStatus')")
+        window.wait("is_shown('PointArrayStatus')")
         window.choose("Filters", "Scalable Isosurface", "Isosurface")
         self.check_width(window)
         window.apply()
@@ -211,7 +211,7 @@ class FirstHour(unittest.TestCase):
         window.press("OK")
         window.wait("dialog() == ''")
         self.check_width(window)
-        self.assertEqual(window.look("find('PointArrayStatus')"), [])  # before Apply there is none
+        self.assertFalse(window.look("is_shown('PointArrayStatus')"))  # before Apply there is none
         self.contour(window)
         self.measure(window)
         window.select("ct")

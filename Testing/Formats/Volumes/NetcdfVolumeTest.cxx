@@ -24,22 +24,22 @@ void ExpectRefused(const std::string& path, const std::vector<std::string>& word
   ExpectWords(ListForeignVolumes(GetLocalFileSystem(), path).GetStatus(), words);
 }
 
-/// A file of z, y and x, whose last bytes are those of the coordinates `last`.
+/// A file of time, z, y and x, whose last bytes are those of the coordinates `last`.
 void WriteCoordinates(const std::string& path, const char* last, int format)
 {
   int file = 0;
   ASSERT_EQ(::nc_create(path.c_str(), NC_CLOBBER | format, &file), NC_NOERR);
-  int axes[3];
+  int axes[4];
   int data = 0;
   int line = 0;
-  const char* const names[] = { "time", "y", "x" };
-  const std::size_t sizes[] = { 4, 5, 6 };
-  for (int axis = 0; axis < 3; ++axis)
+  const char* const names[] = { "time", "z", "y", "x" };
+  const std::size_t sizes[] = { 2, 2, 5, 6 };
+  for (int axis = 0; axis < 4; ++axis)
   {
     ::nc_def_dim(file, names[axis], sizes[axis], &axes[axis]);
   }
-  ::nc_def_var(file, "data", NC_SHORT, 3, axes, &data);
-  const int axis = std::string(last) == "time" ? 0 : 1;
+  ::nc_def_var(file, "data", NC_SHORT, 4, axes, &data);
+  const int axis = std::string(last) == "time" ? 0 : 2;
   ::nc_def_var(file, last, NC_DOUBLE, 1, &axes[axis], &line);
   ::nc_enddef(file);
   const double numbers[] = { 1, 2, 3, 4, 5 };
