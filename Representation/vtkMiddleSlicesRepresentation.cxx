@@ -29,8 +29,9 @@ vtkStandardNewMacro(vtkMiddleSlicesRepresentation);
 namespace
 {
 
-/// Adds the slices through the middle of the volume that a piece of it has.
-void AddSlices(vtkDataSet* piece, vtkPartitionedDataSet* slices)
+/// Adds the slices through the middle of the volume that a piece of it has, from partition `first` on: one
+/// for each axis, or null.
+void AddSlices(vtkDataSet* piece, unsigned int first, vtkPartitionedDataSet* slices)
 {
   auto* image = vtkImageData::SafeDownCast(piece);
   auto* lined = vtkRectilinearGrid::SafeDownCast(piece);
@@ -63,7 +64,7 @@ void AddSlices(vtkDataSet* piece, vtkPartitionedDataSet* slices)
     // Where ranks overlap, both draw the same.
     slice->GetPointData()->RemoveArray(vtkDataSetAttributes::GhostArrayName());
     slice->Crop(part);
-    slices->SetPartition(slices->GetNumberOfPartitions(), slice);
+    slices->SetPartition(first + static_cast<unsigned int>(axis), slice);
   }
 }
 
@@ -83,10 +84,14 @@ protected:
     {
       return this->Superclass::RequestData(request, input, output);
     }
+    // The filter compares the partitions of all ranks, so each rank has as many.
     vtkNew<vtkPartitionedDataSet> slices;
+    slices->SetNumberOfPartitions(3 * std::max(volume->GetNumberOfPartitions(), 1U));
+    unsigned int first = 0;
     for (vtkDataSet* piece : vtkCompositeDataSet::GetDataSets<vtkDataSet>(volume))
     {
-      AddSlices(piece, slices);
+      AddSlices(piece, first, slices);
+      first += 3;
     }
     vtkNew<vtkInformation> information;
     information->Copy(input[0]->GetInformationObject(0));

@@ -7,6 +7,7 @@ from .IsosurfaceRendering import (
 from .IsosurfaceRepresentation import (
     vtkIsosurfaceCompositeRepresentation as vtkIsosurfaceCompositeRepresentation,
     vtkIsosurfaceRepresentation as vtkIsosurfaceRepresentation,
+    vtkMiddleSlicesRepresentation as vtkMiddleSlicesRepresentation,
     vtkSMIsosurfaceRepresentationProxy as vtkSMIsosurfaceRepresentationProxy,
     vtkSMIsovalueDomain as vtkSMIsovalueDomain,
     vtkSMSampleArrayDomain as vtkSMSampleArrayDomain,

@@ -55,7 +55,10 @@ class ClientAndServer(testing.TestCase):
         """The GUI as client, which plays the script and compares its view with the baseline, if any."""
         folder = os.path.dirname(testing.arguments.plugin)
         plugin = [f"--plugin-search-paths={folder}", "--plugins=ScalableIsosurface"]
-        window_environment = {"PYTHONPATH": testing.arguments.window_python_path}
+        window_environment = {
+            "PYTHONPATH": testing.arguments.window_python_path,
+            "LD_PRELOAD": testing.arguments.preloaded,
+        }
         os.makedirs(testing.output("gui"), exist_ok=True)
         compared = []
         if baseline:

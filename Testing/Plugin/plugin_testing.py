@@ -71,6 +71,7 @@ def parse_arguments():
     for name in ("pvbatch", "pvserver", "pvpython", "paraview"):
         parser.add_argument("--" + name)
     parser.add_argument("--played", help="the folder of what the GUI plays")
+    parser.add_argument("--preloaded", help="the library that gives the GUI's player commands that wait")
     parser.add_argument("--window-python-path", help="PYTHONPATH of the GUI")
     parser.add_argument("--long", action="store_true", help="run what else takes minutes")
     parser.add_argument("--in-window", action="store_true", help="run the tests of the GUI alone")
