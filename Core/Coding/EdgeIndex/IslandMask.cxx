@@ -52,8 +52,10 @@ public:
     {
       const bool isAlong = !isVertex && axis == static_cast<std::size_t>(id % 3);
       const std::int64_t reach = endsAlone ? 0 : 1;
-      begin[axis] = std::max<std::int64_t>(0, place[axis] - (isAlong ? 0 : reach));
-      end[axis] = std::min(this->Size[axis], place[axis] + 1 + (isAlong ? 1 : reach));
+      const std::int64_t first = place[axis] - (isAlong ? 0 : reach);
+      const std::int64_t past = place[axis] + 1 + (isAlong ? 1 : reach);
+      begin[axis] = first > 0 ? first : 0;
+      end[axis] = past < this->Size[axis] ? past : this->Size[axis];
     }
     for (std::int64_t z = begin[2]; z < end[2]; ++z)
     {
