@@ -52,7 +52,7 @@ REST = (WINDOW, "pause", "1500")
 # The mouse button is held meanwhile: a finer surface waits for its release.
 HELD = ("tour/4",)
 # Where the mouse is at the end.
-HOVER = {"tour/6": (160, 640)}
+HOVER = {"tour/6": (160, 560)}
 
 
 def menu(name, action):
@@ -146,7 +146,7 @@ def make_pictures(volume, ct, folder):
         "tour/3": proposed,
         "tour/4": [*proposed, APPLY, SOLID],
         "tour/5": contoured,
-        "tour/6": [*contoured, *double_click(60, 60)],
+        "tour/6": [*contoured, *double_click(170, 60)],
         "tour/7": [*added, live, *drag(120, 170, 60), REST],
         "tour/8": picked,
         "tour/10": reopened,
