@@ -28,6 +28,7 @@
 #include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ranks/Query/MemorySpectrum.h"
+#include "Ranks/Query/Refinement.h"
 #include "Storage/Spectrum/IsovalueProposal.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -41,6 +42,8 @@ vtkStandardNewMacro(vtkContourSpectrum);
 vtkCxxSetObjectMacro(vtkContourSpectrum, Controller, vtkMultiProcessController);
 
 using isosurface::MemorySpectrum;
+using isosurface::Refinement;
+using isosurface::RefinementStage;
 using isosurface::Status;
 using isosurface::StatusCode;
 
@@ -49,10 +52,14 @@ namespace
 
 constexpr const char* NoSpectrum = "the spectrum cannot be made";
 
-// The stages in Counting, whose numbers are doubles.
-constexpr double Nothing = 0;
-constexpr double Working = 1;
-constexpr double Ready = 2;
+/// What a window polls.
+Refinement::Values MakeValues(RefinementStage stage, double share)
+{
+  Refinement refinement;
+  refinement.Stage = stage;
+  refinement.Share = share;
+  return refinement.ToValues();
+}
 
 } // namespace
 
@@ -89,7 +96,7 @@ vtkContourSpectrum::vtkContourSpectrum()
   , NumberOfThreads(0)
   , Controller(nullptr)
   , SamplesAtOnce(VTK_INT_MAX)
-  , Counting{ Nothing, 0 }
+  , Refinement(MakeValues(RefinementStage::None, 0))
   , ProposesAlone(false)
   , Proposal(std::numeric_limits<double>::quiet_NaN())
 {
@@ -218,7 +225,7 @@ std::string vtkContourSpectrum::Steps::GetArrayName() const
 Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& input) const
 {
   this->Filter.Counted.reset();
-  this->Filter.Counting[0] = Nothing;
+  this->Filter.Refinement = MakeValues(RefinementStage::None, 0);
   if (this->Ranks.GetRank() != 0)
   {
     return Status::Ok();
@@ -262,7 +269,7 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
     return Status::Ok();
   }
   const std::unique_ptr<Beside> beside = std::move(this->Filter.Counted);
-  this->Filter.Counting[0] = Nothing;
+  this->Filter.Refinement = MakeValues(RefinementStage::None, 0);
   const bool counted = this->Ranks.All(
     beside && beside->Work->HasEnded() && beside->Fingerprint == images->ComputeFingerprint());
   if (counted)
@@ -291,8 +298,7 @@ Status vtkContourSpectrum::Steps::Begin(std::unique_ptr<MemorySpectrum> images) 
       [&counted = *beside->Images](isosurface::Communicator& all,
         const isosurface::Progress& advance) { return counted.Count(all, advance); });
     this->Filter.Counted = std::move(beside);
-    this->Filter.Counting[0] = Working;
-    this->Filter.Counting[1] = 0;
+    this->Filter.Refinement = MakeValues(RefinementStage::Working, 0);
     return Status::Ok();
   };
   return isosurface::Attempt(NoSpectrum, begin);
@@ -326,12 +332,12 @@ void vtkContourSpectrum::AdvanceCounting(int milliseconds)
   if (!all)
   {
     this->Counted.reset();
-    this->Counting[0] = Nothing;
+    this->Refinement = MakeValues(RefinementStage::None, 0);
     return;
   }
   const bool hasEnded = this->Counted->Work->Advance(ranks, milliseconds / 1000.0);
-  this->Counting[0] = hasEnded ? Ready : Working;
-  this->Counting[1] = this->Counted->Work->GetProgress();
+  this->Refinement = MakeValues(hasEnded ? RefinementStage::Ready : RefinementStage::Working,
+    this->Counted->Work->GetProgress());
 }
 
 //------------------------------------------------------------------------------

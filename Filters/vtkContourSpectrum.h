@@ -25,6 +25,7 @@
 #include "vtkNew.h"                  // For the tuples
 #include "vtkTableAlgorithm.h"
 
+#include <array>  // For the window
 #include <memory> // For what is counted
 #include <string> // For the unit
 
@@ -102,13 +103,13 @@ public:
    * For windows, which must answer meanwhile. An execution over images of more samples than
    * CountBeside() says begins to count beside the calling thread, and gives an empty table. Then
    * AdvanceCounting() waits at most `milliseconds`; several ranks count only while all are in it.
-   * Counting: the stage (0: nothing is counted, 1: working, 2: ready) and the finished share. When
-   * it is ready, TakeCounting() lets the next execution give the table. None of these is a
+   * Refinement has what the last call found, the values of an isosurface::Refinement. When
+   * its stage is Ready, TakeCounting() lets the next execution give the table. None of these is a
    * property; all ranks must call them. Default: everything is counted at once.
    */
   void CountBeside(int samplesAtOnce);
   void AdvanceCounting(int milliseconds);
-  vtkGetVector2Macro(Counting, double);
+  double* GetRefinement() VTK_SIZEHINT(10) { return this->Refinement.data(); }
   void TakeCounting() { this->Modified(); }
   ///@}
 
@@ -152,7 +153,7 @@ private:
   vtkMultiProcessController* Controller;
   vtkNew<vtkDoubleArray> Spectrum;
   int SamplesAtOnce;
-  double Counting[2];
+  std::array<double, 10> Refinement;
   bool ProposesAlone;
   double Proposal;
   std::string Unit;

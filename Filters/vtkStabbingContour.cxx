@@ -90,7 +90,7 @@ vtkStabbingContour::vtkStabbingContour()
   , MaximumTriangles(0)
   , Progressive(0)
   , Final(1)
-  , Refinement{}
+  , Refinement(isosurface::Refinement().ToValues())
   , RefinementMemory(0)
   , DropDegenerateTriangles(0)
   , CloseBoundary(0)
@@ -231,9 +231,7 @@ void vtkStabbingContour::AllowCoarse(vtkTypeBool allowed)
 //------------------------------------------------------------------------------
 void vtkStabbingContour::PrepareRefinement(int milliseconds)
 {
-  const std::array<double, 9> values =
-    this->Work->PrepareRefinement(std::max(0, milliseconds) / 1000.0).List();
-  std::copy(values.begin(), values.end(), this->Refinement);
+  this->Refinement = this->Work->PrepareRefinement(std::max(0, milliseconds) / 1000.0).ToValues();
 }
 
 //------------------------------------------------------------------------------

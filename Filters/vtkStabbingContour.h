@@ -33,6 +33,7 @@
 #include "vtkPolyDataAlgorithm.h"
 #include "vtkSmartPointer.h" // For the last surface
 
+#include <array>  // For the window
 #include <memory> // For the work
 #include <string> // For array names
 #include <vector> // For array names
@@ -209,12 +210,8 @@ public:
    * surface, the execution after Refine takes it instead of extracting. A change drops it, at the
    * latest when the filter executes; DropRefinement at once. All ranks call it together.
    *
-   * Refinement has what the last call found: a stage (0: nothing to refine, 1: at work, 2: ready, 3:
-   * not begun, since the surface would not fit into memory, 4: what is shown of a sample becomes
-   * exact while its file is indexed), the level that is shown, the next one,
-   * the final one, the finest one that fits into memory, how much of the next one is extracted (0
-   * to 1; of a sample, how much of the file is shown exactly), its triangles (estimated, of all ranks), the bytes of memory that these need on a rank,
-   * and the free ones (0: unknown).
+   * Refinement has what the last call found, the values of an isosurface::Refinement. Of a sample its
+   * share is how much of the file is shown exactly.
    *
    * AcceptSize allows surfaces that do not fit, until the next change. RefinementMemory: MiB that a
    * rank has; 0, the default: what is free. Without Progressive, budget and region, the surface of a
@@ -223,7 +220,7 @@ public:
   void PrepareRefinement(int milliseconds);
   void DropRefinement();
   void AcceptSize();
-  vtkGetVectorMacro(Refinement, double, 9);
+  double* GetRefinement() VTK_SIZEHINT(10) { return this->Refinement.data(); }
   void SetRefinementMemory(double mebibytes);
   vtkGetMacro(RefinementMemory, double);
   ///@}
@@ -441,7 +438,7 @@ private:
   vtkIdType MaximumTriangles;
   vtkTypeBool Progressive;
   vtkTypeBool Final;
-  double Refinement[9];
+  std::array<double, 10> Refinement;
   double RefinementMemory;
   std::vector<std::string> InterpolatedArrays;
   vtkTypeBool DropDegenerateTriangles;

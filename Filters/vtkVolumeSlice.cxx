@@ -148,7 +148,7 @@ vtkVolumeSlice::vtkVolumeSlice()
   , Normal{ 0, 0, 1 }
   , Interpolation(LINEAR)
   , MaximumPoints(16)
-  , Refinement{}
+  , Refinement(isosurface::Refinement().ToValues())
   , Controller(nullptr)
   , Internals(std::make_unique<Steps>(*this))
 {
@@ -229,10 +229,9 @@ void vtkVolumeSlice::Refine()
 //------------------------------------------------------------------------------
 void vtkVolumeSlice::PrepareRefinement(int milliseconds)
 {
-  const std::array<double, 9> values =
+  this->Refinement =
     this->Internals->Image.PrepareRefinement(this->Controller, std::max(0, milliseconds) / 1000.0)
-      .List();
-  std::copy(values.begin(), values.end(), this->Refinement);
+      .ToValues();
 }
 
 //------------------------------------------------------------------------------

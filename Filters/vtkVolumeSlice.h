@@ -25,6 +25,7 @@
 #include "vtkImageAlgorithm.h"
 #include "vtkNew.h" // For the isovalues
 
+#include <array>  // For the window
 #include <memory> // For the steps
 #include <string> // For the name
 
@@ -103,9 +104,8 @@ public:
   /**
    * For a window, as of vtkStabbingContour: while coarse images are allowed, a large image of
    * something new is coarse, and not final. PrepareRefinement then reads the exact one beside the
-   * calling thread, and waits for it, but not longer than this. Refinement has a stage (0: nothing
-   * to refine, 1: at work, 2: ready), the shown level, the next and the final one, and, at [5], the
-   * finished share. The execution after Refine gives the exact image. All ranks call these
+   * calling thread, and waits for it, but not longer than this. Refinement has what the last call
+   * found, the values of an isosurface::Refinement. The execution after Refine gives the exact image. All ranks call these
    * together. DropRefinement stops the reading.
    */
   void AllowCoarse(vtkTypeBool allowed);
@@ -113,7 +113,7 @@ public:
   void Refine();
   void PrepareRefinement(int milliseconds);
   void DropRefinement();
-  vtkGetVectorMacro(Refinement, double, 9);
+  double* GetRefinement() VTK_SIZEHINT(10) { return this->Refinement.data(); }
   ///@}
 
   ///@{
@@ -149,7 +149,7 @@ private:
   double MaximumPoints;
   vtkNew<vtkContourValues> Isovalues;
   std::string IsolineArray;
-  double Refinement[9];
+  std::array<double, 10> Refinement;
   vtkMultiProcessController* Controller;
   std::unique_ptr<Steps> Internals;
 };

@@ -24,6 +24,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/PrintableText.h"
+#include "Ranks/Query/Refinement.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -40,6 +41,7 @@ namespace
 {
 using isosurface::GrowingIndex;
 using isosurface::IndexState;
+using isosurface::RefinementStage;
 using isosurface::Result;
 using isosurface::SourceIndex;
 using isosurface::Status;
@@ -47,12 +49,6 @@ using isosurface::StatusCode;
 
 constexpr const char* Automatic = "automatic";
 constexpr std::uint64_t Mebibyte = 1024 * 1024;
-
-// The stages in Indexing, whose numbers are doubles.
-constexpr double Nothing = 0;
-constexpr double Working = 1;
-constexpr double Ready = 2;
-constexpr double Failed = 3;
 
 std::string ToText(const char* text)
 {
@@ -137,7 +133,8 @@ struct vtkInPlaceVolumeReader::Steps
     const GrowingIndex* const growing = this->Reader.Growing.get();
     // A sample has its grid for good. An index that is kept in memory is opened with another one.
     return growing && growing->GetIndex() == this->Index &&
-      (this->Reader.Indexing[0] == Nothing || growing->GetIndex().Place == this->Index.Place);
+      (this->Reader.Stage == RefinementStage::None ||
+        growing->GetIndex().Place == this->Index.Place);
   }
   std::uint64_t GetMemoryBytes() const
   {
@@ -268,7 +265,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
   vtkInPlaceVolumeReader& reader = this->Reader;
   std::shared_ptr<isosurface::BlockedVolume> volume;
   vtkNew<vtkBlockedVolumeHandle> standIn;
-  reader.Indexing[0] = Nothing;
+  reader.Stage = RefinementStage::None;
   reader.IndexText = this->Index.Path + ": up to date";
   if (reader.Growing && !reader.Growing->Advance(ranks, 0))
   {
@@ -280,7 +277,7 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     volume = sample.Volume;
     standIn->SetSample(sample.Text, sample.Share == 1 && sample.Step == 0 ? this->Index.Path : "");
     standIn->SetFinished(reader.Growing->GetFinished());
-    reader.Indexing[0] = Working;
+    reader.Stage = RefinementStage::Working;
     reader.IndexText = this->Index.Path + ": is being written";
   }
   else if (reader.Growing)
@@ -333,7 +330,8 @@ vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
   , CheckTime(0)
   , TellTime(0)
   , CoarseAllowed(false)
-  , Indexing{ Nothing, 0, -1 }
+  , Stage(RefinementStage::None)
+  , Refinement(isosurface::Refinement().ToValues())
 {
 }
 
@@ -428,7 +426,7 @@ bool vtkInPlaceVolumeReader::IsPending()
   if (isCurrent)
   {
     this->Growing.reset(); // of another file
-    this->Indexing[0] = Nothing;
+    this->Stage = RefinementStage::None;
     this->SetStandIn(nullptr);
     this->SetFileName(steps.Index.Path.c_str());
     this->CheckTime = this->vtkAlgorithm::GetMTime();
@@ -484,8 +482,8 @@ std::size_t vtkInPlaceVolumeReader::FindStep(vtkInformation* outInfo) const
 //------------------------------------------------------------------------------
 bool vtkInPlaceVolumeReader::IsOtherSample(std::size_t step) const
 {
-  return this->Growing && this->Indexing[0] != Nothing && this->Growing->GetSample().Volume &&
-    this->Growing->GetSample().Step != step;
+  return this->Growing && this->Stage != RefinementStage::None &&
+    this->Growing->GetSample().Volume && this->Growing->GetSample().Step != step;
 }
 
 //------------------------------------------------------------------------------
@@ -500,9 +498,10 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   step = ranks.Maximum(step);
   const bool isCoarse = all[0] != 0;
   // One in memory stays when it has been taken.
-  const bool isOld = all[1] != 0 && this->Indexing[0] == Nothing && !this->Growing->IsCurrent();
+  const bool isOld =
+    all[1] != 0 && this->Stage == RefinementStage::None && !this->Growing->IsCurrent();
   Status status;
-  if (all[1] == 0 || this->Indexing[0] == Failed || isOld)
+  if (all[1] == 0 || this->Stage == RefinementStage::Failed || isOld)
   {
     this->Growing.reset();
     status = isCoarse ? steps.Begin(ranks, step) : steps.Update(ranks);
@@ -535,7 +534,7 @@ void vtkInPlaceVolumeReader::AllowCoarse(vtkTypeBool allowed)
 void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
 {
   isosurface::ControllerCommunicator ranks(this->GetController());
-  const bool isWorking = ranks.All(this->Indexing[0] == Working);
+  const bool isWorking = ranks.All(this->Stage == RefinementStage::Working);
   if (!isWorking)
   {
     return;
@@ -545,7 +544,9 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
   {
     const Status status = ranks.Agree(this->Growing->GetStatus());
     const bool isReady = status.IsOk() && this->PrepareVolume(ranks, seconds);
-    this->Indexing[0] = !status.IsOk() ? Failed : isReady ? Ready : Working;
+    this->Stage = !status.IsOk() ? RefinementStage::Failed
+      : isReady                  ? RefinementStage::Ready
+                                 : RefinementStage::Working;
     if (status.GetCode() == StatusCode::Aborted)
     {
       this->IndexText = this->Growing->GetIndex().Path + ": writing it was stopped";
@@ -558,10 +559,22 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
   }
   else if (this->Growing->HasLargerSample(ranks))
   {
-    this->Indexing[0] = Ready;
+    this->Stage = RefinementStage::Ready;
   }
-  this->Indexing[1] = this->Growing->GetProgress();
-  this->Indexing[2] = this->Growing->EstimateSeconds();
+}
+
+//------------------------------------------------------------------------------
+double* vtkInPlaceVolumeReader::GetRefinement()
+{
+  isosurface::Refinement refinement;
+  refinement.Stage = this->Stage;
+  if (this->Growing)
+  {
+    refinement.Share = this->Growing->GetProgress();
+    refinement.Seconds = this->Growing->EstimateSeconds();
+  }
+  this->Refinement = refinement.ToValues();
+  return this->Refinement.data();
 }
 
 //------------------------------------------------------------------------------

@@ -37,6 +37,7 @@ namespace isosurface
 class Communicator;
 class GrowingIndex;
 class Status;
+enum class RefinementStage;
 }
 
 class vtkStringArray;
@@ -141,14 +142,13 @@ public:
    * index is written only while all ranks are in AdvanceIndex, which they call together. An
    * execution that may not be coarse waits for the index.
    *
-   * Indexing has what the last call found: a stage (0: no index is being written, 1: at work, 2:
-   * something can be taken, 3: it could not be written), the finished fraction, and the seconds that are left
-   * (negative: unknown).
+   * Refinement has the values of an isosurface::Refinement: the stage that the last call found, the share
+   * of the index that is written, and the seconds that it still takes.
    */
   void AdvanceIndex(int milliseconds);
   void TakeIndex();
   void StopIndex(); ///< this is no error: the next execution after a modification goes on
-  vtkGetVector3Macro(Indexing, double);
+  double* GetRefinement() VTK_SIZEHINT(10);
   ///@}
 
 protected:
@@ -186,7 +186,8 @@ private:
   vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date, or a sample read
   vtkMTimeType TellTime;  ///< our MTime when SourceTimes were read
   bool CoarseAllowed;
-  double Indexing[3];
+  isosurface::RefinementStage Stage; ///< of the index
+  std::array<double, 10> Refinement;
   std::string WindowSource; ///< the source whose window was looked for last
   std::optional<std::array<double, 2>> Window;
   std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown

@@ -198,12 +198,12 @@ def show_at_once(path, isovalue, begin, grows):
     picture.show()
     times = {"picture": time.perf_counter() - begin, "freeze": 0.0,
              "coarse": contour.GetOutput().GetNumberOfPolys(), "shown": reader.GetShownText()}
-    while reader.GetIndexing()[0] == 1:
+    while reader.GetRefinement()[0] == 1:
         time.sleep(POLL_SECONDS)
         call = time.perf_counter()
         refined = False
         reader.AdvanceIndex(0)
-        if reader.GetIndexing()[0] == 2:  # the index, or a larger sample
+        if reader.GetRefinement()[0] == 2:  # the index, or a larger sample
             reader.TakeIndex()
             contour.Update()
         elif grows:

@@ -35,24 +35,12 @@ bool IsFinal(vtkSMProxy* contour)
   return vtkSMPropertyHelper(contour, "Final").GetAsInt() != 0;
 }
 
-RefinementReport ReadRefinement(vtkSMProxy* contour)
+Refinement ReadRefinement(vtkSMProxy* proxy)
 {
-  contour->UpdatePropertyInformation(contour->GetProperty("Refinement"));
-  const std::vector<double> values = vtkSMPropertyHelper(contour, "Refinement").GetDoubleArray();
-  RefinementReport report;
-  if (values.size() == 9)
-  {
-    report.Stage = static_cast<int>(values[0]);
-    report.ShownLevel = static_cast<int>(values[1]);
-    report.NextLevel = static_cast<int>(values[2]);
-    report.FinalLevel = static_cast<int>(values[3]);
-    report.FittingLevel = static_cast<int>(values[4]);
-    report.Share = values[5];
-    report.Triangles = values[6];
-    report.Bytes = values[7];
-    report.FreeBytes = values[8];
-  }
-  return report;
+  proxy->UpdatePropertyInformation(proxy->GetProperty("Refinement"));
+  const std::vector<double> values = vtkSMPropertyHelper(proxy, "Refinement").GetDoubleArray();
+  return values.size() == Refinement::Values().size() ? Refinement::FromValues(values.data())
+                                                      : Refinement();
 }
 
 int ReadLevel(vtkSMProxy* contour)

@@ -2,40 +2,20 @@
 #ifndef isosurface_ContourProxy_h
 #define isosurface_ContourProxy_h
 
+#include "Ranks/Query/Refinement.h"
+
 class vtkSMProxy;
 
 namespace isosurface
 {
-
-/// The Refinement of vtkStabbingContour and vtkVolumeSlice, as their documentation says.
-struct RefinementReport
-{
-  enum Stages
-  {
-    Nothing,
-    Working,
-    Ready,
-    TooLarge,
-    Growing
-  };
-  int Stage = Nothing;
-  int ShownLevel = 0;
-  int NextLevel = 0;
-  int FinalLevel = 0;
-  int FittingLevel = 0;
-  double Share = 0;
-  double Triangles = 0;
-  double Bytes = 0;
-  double FreeBytes = 0;
-};
 
 bool IsStabbingContour(vtkSMProxy* proxy);
 /// Whether it is a filter that gives something coarse first: a contour or a slice.
 bool IsRefined(vtkSMProxy* proxy);
 /// Asks the server.
 bool IsFinal(vtkSMProxy* contour);
-/// Asks the server: what its last PrepareRefinement found.
-RefinementReport ReadRefinement(vtkSMProxy* contour);
+/// Asks the server of a contour, slice, spectrum or reader that indexes how far its work is.
+Refinement ReadRefinement(vtkSMProxy* proxy);
 
 /// The level of its last surface or slice, as the window knows it.
 int ReadLevel(vtkSMProxy* contour);

@@ -11,7 +11,7 @@
 namespace isosurface
 {
 
-QDialog* AskAboutSurfaceSize(const QString& title, const RefinementReport& report,
+QDialog* AskAboutSurfaceSize(const QString& title, const Refinement& report,
   const std::function<void()>& useFittingLevel, const std::function<void()>& extractAnyway)
 {
   auto* box = new QMessageBox(pqCoreUtilities::mainWidget());

@@ -12,7 +12,6 @@
 #include "pqView.h"
 #include "vtkBoundingBox.h"
 #include "vtkPVDataInformation.h"
-#include "vtkSMPropertyHelper.h"
 #include "vtkSMSession.h"
 #include "vtkSMSourceProxy.h"
 
@@ -25,40 +24,7 @@
 #include <utility>
 
 using isosurface::CallOnServer;
-
-namespace
-{
-
-/// vtkInPlaceVolumeReader's Indexing, as its documentation says.
-struct IndexReport
-{
-  enum Stages
-  {
-    Nothing,
-    Working,
-    Ready,
-    Failed
-  };
-  int Stage = Nothing;
-  double Share = 0;
-  double Seconds = -1;
-};
-
-IndexReport ReadReport(vtkSMProxy* reader)
-{
-  reader->UpdatePropertyInformation(reader->GetProperty("Indexing"));
-  const std::vector<double> values = vtkSMPropertyHelper(reader, "Indexing").GetDoubleArray();
-  IndexReport report;
-  if (values.size() == 3)
-  {
-    report.Stage = static_cast<int>(values[0]);
-    report.Share = values[1];
-    report.Seconds = values[2];
-  }
-  return report;
-}
-
-} // namespace
+using isosurface::RefinementStage;
 
 //------------------------------------------------------------------------------
 pqIndexStatus::pqIndexStatus(QWidget* parent)
@@ -124,7 +90,7 @@ void pqIndexStatus::Watch(pqPipelineSource* source)
   const bool isKnown =
     std::find(this->Readers.begin(), this->Readers.end(), source) != this->Readers.end();
   if (IsReader(source->getProxy()) && !isKnown &&
-    ReadReport(source->getProxy()).Stage == IndexReport::Working)
+    isosurface::ReadRefinement(source->getProxy()).Stage == RefinementStage::Working)
   {
     this->Readers.emplace_back(source);
     this->Timer->start(0);
@@ -183,8 +149,8 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
   vtkSMProxy* reader = source->getProxy();
   const bool isAlone = source->getServer()->getNumberOfPartitions() == 1;
   CallOnServer(reader, "AdvanceIndex", isAlone ? 0 : SliceMilliseconds);
-  const IndexReport report = ReadReport(reader);
-  if (report.Stage == IndexReport::Ready)
+  const isosurface::Refinement report = isosurface::ReadRefinement(reader);
+  if (report.Stage == RefinementStage::Ready)
   {
     reader->InvokeCommand("TakeIndex");
     changed.emplace_back(source);
@@ -196,7 +162,7 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
                   .arg(source->getSMName())
                   .arg(std::floor(100 * report.Share))
                   .arg(left));
-  return report.Stage == IndexReport::Working;
+  return report.Stage == RefinementStage::Working;
 }
 
 //------------------------------------------------------------------------------

@@ -44,7 +44,8 @@
 #include <utility>
 
 using isosurface::CallOnServer;
-using isosurface::RefinementReport;
+using isosurface::Refinement;
+using isosurface::RefinementStage;
 
 namespace
 {
@@ -428,23 +429,23 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
     keep = true;
     return false;
   }
-  const RefinementReport report = isosurface::ReadRefinement(contour);
-  watched.IsGrowing = report.Stage == RefinementReport::Growing;
+  const Refinement report = isosurface::ReadRefinement(contour);
+  watched.IsGrowing = report.Stage == RefinementStage::Growing;
   watched.HasGrown = watched.HasGrown || watched.IsGrowing;
   switch (report.Stage)
   {
-    case RefinementReport::Growing:
+    case RefinementStage::Growing:
       this->FrameGrown(watched.Source);
       this->Status->ShowGrowth(report);
       CallOnServer(contour, "PrepareRefinement", slice);
       keep = true;
       return false;
-    case RefinementReport::Working:
+    case RefinementStage::Working:
       this->Status->ShowRefinement(report);
       CallOnServer(contour, "PrepareRefinement", slice);
       keep = true;
       return false;
-    case RefinementReport::Ready:
+    case RefinementStage::Ready:
       keep = QGuiApplication::mouseButtons() != Qt::NoButton || this->IsHandMoving(watched, report);
       if (!keep)
       {
@@ -457,7 +458,7 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
         contour->InvokeCommand("Refine");
       }
       return !keep;
-    case RefinementReport::TooLarge:
+    case RefinementStage::TooLarge:
       this->AskAboutSize(watched.Source, report);
       return false;
     default:
@@ -486,8 +487,7 @@ void pqProgressiveContourBehavior::FrameGrown(pqPipelineSource* source)
 }
 
 //------------------------------------------------------------------------------
-bool pqProgressiveContourBehavior::IsHandMoving(
-  Watched& watched, const RefinementReport& report) const
+bool pqProgressiveContourBehavior::IsHandMoving(Watched& watched, const Refinement& report) const
 {
   if (!watched.Ready.isValid())
   {
@@ -548,13 +548,13 @@ void pqProgressiveContourBehavior::FinishOne(pqPipelineSource* source)
   while (kept && IsServerAlive(contour) && !isosurface::IsFinal(contour))
   {
     CallOnServer(contour, "PrepareRefinement", SliceMilliseconds);
-    const RefinementReport report = isosurface::ReadRefinement(contour);
-    if (report.Stage == RefinementReport::Ready)
+    const Refinement report = isosurface::ReadRefinement(contour);
+    if (report.Stage == RefinementStage::Ready)
     {
       contour->InvokeCommand("Refine");
       UpdateBehind(source);
     }
-    else if (report.Stage == RefinementReport::TooLarge)
+    else if (report.Stage == RefinementStage::TooLarge)
     {
       vtkGenericWarningMacro(
         << qPrintable(source->getSMName()) << ": the surface of level " << report.FinalLevel
@@ -562,7 +562,7 @@ void pqProgressiveContourBehavior::FinishOne(pqPipelineSource* source)
         << " is saved. Set 'Level', or save as .eix, which goes block by block.");
       return;
     }
-    else if (report.Stage != RefinementReport::Working)
+    else if (report.Stage != RefinementStage::Working)
     {
       return; // changed and not applied
     }
@@ -572,8 +572,7 @@ void pqProgressiveContourBehavior::FinishOne(pqPipelineSource* source)
 //------------------------------------------------------------------------------
 // Surfaces that are too large
 
-void pqProgressiveContourBehavior::AskAboutSize(
-  pqPipelineSource* source, const RefinementReport& report)
+void pqProgressiveContourBehavior::AskAboutSize(pqPipelineSource* source, const Refinement& report)
 {
   this->Status->ShowEnd(report.ShownLevel, true);
   // One question at a time, about a contour that is there.

@@ -110,10 +110,10 @@ private:
   bool AdvanceOne(Watched& watched, bool& keep);
   /// Whether to let a surface wait: while it is drawn for the first time, the window does not
   /// answer, and a hand that moves is about to do something.
-  bool IsHandMoving(Watched& watched, const isosurface::RefinementReport& report) const;
+  bool IsHandMoving(Watched& watched, const isosurface::Refinement& report) const;
   /// Has views show all of a surface that has grown with its index.
   void FrameGrown(pqPipelineSource* source);
-  void AskAboutSize(pqPipelineSource* source, const isosurface::RefinementReport& report);
+  void AskAboutSize(pqPipelineSource* source, const isosurface::Refinement& report);
   void UseLevel(pqPipelineSource* source, int level);
 
   pqTimer* Timer;            ///< owned by this object; ParaView's test player waits for such timers

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-using isosurface::RefinementReport;
+using isosurface::Refinement;
 
 namespace
 {
@@ -65,7 +65,7 @@ void pqRefinementStatus::ShowBegin()
 }
 
 //------------------------------------------------------------------------------
-void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
+void pqRefinementStatus::ShowRefinement(const Refinement& report)
 {
   const QString triangles = report.Triangles > 0
     ? tr(" of about %1 triangles").arg(isosurface::FormatCount(report.Triangles))
@@ -79,7 +79,7 @@ void pqRefinementStatus::ShowRefinement(const RefinementReport& report)
 }
 
 //------------------------------------------------------------------------------
-void pqRefinementStatus::ShowGrowth(const RefinementReport& report)
+void pqRefinementStatus::ShowGrowth(const Refinement& report)
 {
   this->setText(
     report.Share > 0 ? tr("The first %1 % exact").arg(std::floor(100 * report.Share)) : QString());

@@ -30,9 +30,9 @@ public:
 public Q_SLOTS:
   /// That a surface may get finer.
   void ShowBegin();
-  void ShowRefinement(const isosurface::RefinementReport& report);
+  void ShowRefinement(const isosurface::Refinement& report);
   /// How much of a file is shown exactly, while it is indexed.
-  void ShowGrowth(const isosurface::RefinementReport& report);
+  void ShowGrowth(const isosurface::Refinement& report);
   /// That a surface is as it is: final or not.
   void ShowEnd(int level, bool stopped);
   /// That there is no surface any more.

@@ -22,6 +22,7 @@
 #include <vector>
 
 using isosurface::CallOnServer;
+using isosurface::RefinementStage;
 using isosurface::SpectrumCurve;
 
 namespace
@@ -33,13 +34,6 @@ constexpr int SamplesCountedAtOnce = 1 << 21;
 /// answer.
 constexpr int PollMilliseconds = 20;
 constexpr int SliceMilliseconds = 60;
-/// Of vtkContourSpectrum's Counting.
-enum Stages
-{
-  Nothing,
-  Working,
-  Ready
-};
 constexpr std::size_t Columns = 1 + SpectrumCurve::NumberOfQuantities; ///< the isovalue first
 /// Of SelectInputScalars: three numbers, the association, the array's name.
 constexpr int ContouredNameElement = 4;
@@ -115,13 +109,6 @@ bool pqSpectrumSource::IsCounting() const
 }
 
 //------------------------------------------------------------------------------
-int pqSpectrumSource::FindStage() const
-{
-  this->Spectrum->UpdatePropertyInformation(this->Spectrum->GetProperty("Counting"));
-  return vtkSMPropertyHelper(this->Spectrum, "Counting").GetAsInt();
-}
-
-//------------------------------------------------------------------------------
 void pqSpectrumSource::Advance()
 {
   pqServer* server = pqApplicationCore::instance()->getServerManagerModel()->findServer(
@@ -133,12 +120,12 @@ void pqSpectrumSource::Advance()
   }
   CallOnServer(
     this->Spectrum, "AdvanceCounting", server->getNumberOfPartitions() > 1 ? SliceMilliseconds : 0);
-  switch (this->FindStage())
+  switch (isosurface::ReadRefinement(this->Spectrum).Stage)
   {
-    case Working:
+    case RefinementStage::Working:
       this->Timer->start(PollMilliseconds);
       break;
-    case Ready:
+    case RefinementStage::Ready:
       CallOnServer(this->Spectrum, "TakeCounting");
       Q_EMIT this->counted();
       break;
@@ -203,7 +190,7 @@ SpectrumCurve pqSpectrumSource::Fetch(double time)
     CallOnServer(this->Spectrum, "CountBeside", SamplesCountedAtOnce);
     this->Spectrum->UpdatePipeline(time);
     this->Timer->stop();
-    if (this->FindStage() == Working)
+    if (isosurface::ReadRefinement(this->Spectrum).Stage == RefinementStage::Working)
     {
       this->Timer->start(PollMilliseconds);
     }

@@ -51,8 +51,6 @@ private:
   Q_DISABLE_COPY(pqSpectrumSource)
 
   vtkSMSourceProxy* GetInput(unsigned int& port) const;
-  /// Asks the server for the stage of counting (vtkContourSpectrum::GetCounting).
-  int FindStage() const;
 
   vtkSmartPointer<vtkSMProxy> Contour;
   vtkSmartPointer<vtkSMSourceProxy> Spectrum;

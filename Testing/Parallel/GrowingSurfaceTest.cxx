@@ -16,6 +16,7 @@
 
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
+#include "Ranks/Query/Refinement.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
 #include "Storage/Store/SourceRecord.h"
@@ -85,8 +86,8 @@ class GrowingSurface : public testing::Test
 {
 protected:
   static constexpr double Isovalue = 60.5;
-  static constexpr int Growing = 4;
-  static constexpr int Ready = 2;
+  static constexpr RefinementStage Growing = RefinementStage::Growing;
+  static constexpr RefinementStage Ready = RefinementStage::Ready;
 
   /// An index that is not in place has the samples of the file.
   explicit GrowingSurface(bool isInPlace = true)
@@ -181,15 +182,15 @@ protected:
     this->Contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
     return this->Contour->GetOutput();
   }
-  int Prepare()
+  RefinementStage Prepare()
   {
     this->Contour->PrepareRefinement(1000);
-    return static_cast<int>(this->Contour->GetRefinement()[0]);
+    return Refinement::FromValues(this->Contour->GetRefinement()).Stage;
   }
   /// The stage when no more is awaited.
-  int PrepareToTheEnd()
+  RefinementStage PrepareToTheEnd()
   {
-    int stage = this->Prepare();
+    RefinementStage stage = this->Prepare();
     for (int tries = 0; stage == Growing && tries < 1000; ++tries)
     {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -255,13 +256,13 @@ TEST_F(GrowingSurface, IsExactWhereTheFileIsIndexedAndThatOfTheSampleBehind)
   this->ExpectParts(mine, 48);
   EXPECT_GT(mine->GetNumberOfPolys(), 0) << "each rank has a part";
   EXPECT_EQ(this->Prepare(), Growing) << "nothing more is indexed";
-  EXPECT_NEAR(this->Contour->GetRefinement()[5], 0.48, 1e-9);
+  EXPECT_NEAR(Refinement::FromValues(this->Contour->GetRefinement()).Share, 0.48, 1e-9);
   this->Finish(110);
   this->Finished->End();
   this->ExpectParts(this->Grow(), 96); // twice as deep
   mine = this->Grow();
   this->ExpectParts(mine, 100);
-  EXPECT_EQ(this->Prepare(), 0) << "it is complete";
+  EXPECT_EQ(this->Prepare(), RefinementStage::None) << "it is complete";
   vtkSmartPointer<vtkStabbingContour> ofIndex = MakeContour(MakeReader(this->Index), Isovalue);
   ofIndex->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   const EdgeSurface grown = GatherSurface(mine);
@@ -287,7 +288,7 @@ TEST_F(GrowingSurfaceOfCopies, IsExactWhereTheFileIsCopiedAndThatOfTheSampleBehi
   this->Finished->End();
   this->ExpectParts(this->Grow(), 96);
   this->ExpectParts(this->Grow(), 100);
-  EXPECT_EQ(this->Prepare(), 0) << "it is complete";
+  EXPECT_EQ(this->Prepare(), RefinementStage::None) << "it is complete";
 }
 
 TEST_F(GrowingSurfaceOfCopies, StaysAsItIsOnAllRanksWhenTheCopyIsDamaged)
@@ -308,7 +309,7 @@ TEST_F(GrowingSurfaceOfCopies, StaysAsItIsOnAllRanksWhenTheCopyIsDamaged)
       }
     });
   this->Finish(110);
-  EXPECT_EQ(this->PrepareToTheEnd(), 0);
+  EXPECT_EQ(this->PrepareToTheEnd(), RefinementStage::None);
   this->ExpectParts(this->Contour->GetOutput(), 48);
 }
 
@@ -345,7 +346,7 @@ TEST_F(GrowingSurface, StaysThatOfTheSampleForWhomeverTheWindowDoesNotAskFor)
 {
   this->Finish(100);
   ExpectSurfaceOf(this->Update(), this->Sample, Isovalue);
-  EXPECT_EQ(this->Prepare(), 0);
+  EXPECT_EQ(this->Prepare(), RefinementStage::None);
 }
 
 TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheSourceIsChanged)
@@ -358,7 +359,7 @@ TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheSourceIsChanged)
       std::ofstream(this->OtherSource, std::ios::binary) << "something else";
     });
   this->Finish(100);
-  EXPECT_EQ(this->PrepareToTheEnd(), 0);
+  EXPECT_EQ(this->PrepareToTheEnd(), RefinementStage::None);
   ExpectSurfaceOf(this->Contour->GetOutput(), this->Sample, Isovalue);
 }
 
@@ -369,9 +370,9 @@ TEST_F(GrowingSurface, StaysAsItIsOnAllRanksWhenTheLastOneFailsLater)
   this->Grow();
   OnFirstRank([&] { std::filesystem::resize_file(this->OtherSource, 1000); });
   this->Finish(110);
-  EXPECT_EQ(this->PrepareToTheEnd(), 0);
+  EXPECT_EQ(this->PrepareToTheEnd(), RefinementStage::None);
   OnFirstRank([&] { this->WriteSamples(this->OtherSource); });
-  EXPECT_EQ(this->PrepareToTheEnd(), 0) << "it is not tried again";
+  EXPECT_EQ(this->PrepareToTheEnd(), RefinementStage::None) << "it is not tried again";
   // Each rank's piece becomes that of another rank.
   const int ranks = GetNumberOfRanks();
   this->Contour->UpdatePiece((GetRank() + 1) % ranks, ranks, 0);

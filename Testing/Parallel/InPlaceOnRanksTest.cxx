@@ -24,6 +24,7 @@
 
 #include "ControllerCommunicator.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Ranks/Query/Refinement.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
@@ -183,37 +184,46 @@ protected:
   {
     return SumOverRanks(static_cast<std::uint64_t>(this->Contour->GetOutput()->GetNumberOfPolys()));
   }
+  RefinementStage GetIndexStage()
+  {
+    return Refinement::FromValues(this->Reader->GetRefinement()).Stage;
+  }
+  RefinementStage GetSurfaceStage()
+  {
+    return Refinement::FromValues(this->Contour->GetRefinement()).Stage;
+  }
   /// Lets the index grow to its end; the stage then.
-  double Advance()
+  RefinementStage Advance()
   {
     do
     {
       this->Reader->AdvanceIndex(5);
-    } while (this->Reader->GetIndexing()[0] == 1);
-    return this->Reader->GetIndexing()[0];
+    } while (this->GetIndexStage() == RefinementStage::Working);
+    return this->GetIndexStage();
   }
 
   void ExpectExactSurfaceOfAllThatIsIndexed()
   {
     this->Contour->Modified();
     ShowByHand(this->Contour);
-    EXPECT_EQ(this->Advance(), 2);
+    EXPECT_EQ(this->Advance(), RefinementStage::Ready);
     const auto prepare = [&]
     {
       this->Contour->PrepareRefinement(1000);
-      return static_cast<int>(this->Contour->GetRefinement()[0]);
+      return this->GetSurfaceStage();
     };
-    EXPECT_EQ(prepare(), 4);
-    int stage = 4;
-    for (int tries = 0; stage == 4 && tries < 100; ++tries) // ranks that share a core take long
+    EXPECT_EQ(prepare(), RefinementStage::Growing);
+    auto stage = RefinementStage::Growing;
+    for (int tries = 0; stage == RefinementStage::Growing && tries < 100;
+         ++tries) // ranks that share a core take long
     {
       stage = prepare();
     }
-    EXPECT_EQ(stage, 2);
+    EXPECT_EQ(stage, RefinementStage::Ready);
     this->Contour->Refine();
     ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
-    EXPECT_EQ(prepare(), 0) << "all is exact";
-    EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+    EXPECT_EQ(prepare(), RefinementStage::None) << "all is exact";
+    EXPECT_EQ(this->GetIndexStage(), RefinementStage::Ready) << "nobody has taken the index";
   }
 
   /// Places the file and the image alike.
@@ -270,7 +280,7 @@ protected:
     const auto prepare = [&]
     {
       this->Contour->PrepareRefinement(5);
-      if (this->Contour->GetRefinement()[0] == 2)
+      if (this->GetSurfaceStage() == RefinementStage::Ready)
       {
         this->Contour->Refine();
         this->Update();
@@ -280,15 +290,15 @@ protected:
     {
       this->Reader->AdvanceIndex(5);
       prepare();
-    } while (this->Reader->GetIndexing()[0] == 1);
-    for (int tries = 0; this->Contour->GetRefinement()[0] != 0 && tries < 10000; ++tries)
+    } while (this->GetIndexStage() == RefinementStage::Working);
+    for (int tries = 0; this->GetSurfaceStage() != RefinementStage::None && tries < 10000; ++tries)
     {
       // A surface that has grown rests for twice the time that it took.
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
       prepare();
     }
     ExpectSurfaceOf(this->Contour->GetOutput(), this->Image, Isovalue);
-    EXPECT_EQ(this->Reader->GetIndexing()[0], 2) << "nobody has taken the index";
+    EXPECT_EQ(this->GetIndexStage(), RefinementStage::Ready) << "nobody has taken the index";
   }
 
   static constexpr double Isovalue = 60.5;
@@ -306,14 +316,14 @@ TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
   const std::uint64_t coarse = this->CountTriangles();
   EXPECT_GT(coarse, 0u);
   EXPECT_STREQ(this->Reader->GetShownText(), "one of 2 x 1 x 1 samples");
-  EXPECT_EQ(this->Reader->GetIndexing()[0], 1);
-  EXPECT_EQ(this->Advance(), 2);
+  EXPECT_EQ(this->GetIndexStage(), RefinementStage::Working);
+  EXPECT_EQ(this->Advance(), RefinementStage::Ready);
   this->Update();
   EXPECT_EQ(this->CountTriangles(), coarse) << "nobody has taken the index";
   this->Reader->TakeIndex();
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
   EXPECT_GT(this->CountTriangles(), coarse);
-  EXPECT_EQ(this->Reader->GetIndexing()[0], 0);
+  EXPECT_EQ(this->GetIndexStage(), RefinementStage::None);
 }
 
 TEST_F(FirstContact, IsExactWhereTheFileIsIndexed)
@@ -407,7 +417,7 @@ TEST_F(FirstContact, TheSurfaceGetsNoCoarserWhenTheIndexIsTaken)
   };
   this->Contour->Modified();
   const std::uint64_t coarse = refine(update());
-  EXPECT_EQ(this->Advance(), 2);
+  EXPECT_EQ(this->Advance(), RefinementStage::Ready);
   this->Reader->TakeIndex();
   EXPECT_EQ(update(), coarse) << "the sample stays until there is a finer surface";
   EXPECT_EQ(update(), coarse);
@@ -423,7 +433,7 @@ TEST_F(FirstContact, TheSurfaceOfASampleDoesNotStayInAnotherGrid)
 {
   this->Contour->Modified();
   ShowByHand(this->Contour);
-  EXPECT_EQ(this->Advance(), 2);
+  EXPECT_EQ(this->Advance(), RefinementStage::Ready);
   this->SetGrid({ 0.5, 0.5, 0.5 }, { 1000, 0, 0 });
   this->ExpectSurfaceWithinTheImage();
 }
@@ -515,7 +525,7 @@ TEST_F(FirstContact, TheOutputOfTheIndexIsReadBeforeItIsTaken)
   this->Reader->Modified();
   update();
   EXPECT_STREQ(this->Reader->GetShownText(), "one of 2 x 1 x 1 samples");
-  EXPECT_EQ(this->Advance(), 2);
+  EXPECT_EQ(this->Advance(), RefinementStage::Ready);
   // Nothing can be read any more.
   isosurface::BlockCache::GetProcessCache()->Clear();
   GetRanks()->Barrier();
@@ -551,7 +561,7 @@ TEST_F(FirstContact, ASliceSaysThatItIsOfASampleUntilItIsOfTheIndex)
     return std::string(slice->GetShownText());
   };
   EXPECT_EQ(describe(), "81 x 131 points, one of 2 x 1 x 1 samples");
-  EXPECT_EQ(this->Advance(), 2);
+  EXPECT_EQ(this->Advance(), RefinementStage::Ready);
   this->Reader->TakeIndex();
   EXPECT_EQ(describe(), "161 x 131 points, full resolution");
 }
@@ -633,7 +643,7 @@ TEST_F(FirstContact, WaitsForTheIndexOnceItMayNotBeCoarse)
 TEST_F(FirstContact, CanBeStoppedAndBegunAnew)
 {
   this->Reader->StopIndex();
-  EXPECT_EQ(this->Advance(), 3);
+  EXPECT_EQ(this->Advance(), RefinementStage::Failed);
   this->Reader->SetMemoryLimit(255);
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
 }

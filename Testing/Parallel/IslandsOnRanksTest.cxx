@@ -10,6 +10,8 @@
 #include "vtkPolyData.h"
 #include "vtkStabbingContour.h"
 
+#include "Ranks/Query/Refinement.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -220,7 +222,7 @@ TEST(IslandsOnRanks, AreChosenAtEachStepOfARefinement)
     do
     {
       contour->PrepareRefinement(20);
-    } while (contour->GetRefinement()[0] == 1);
+    } while (Refinement::FromValues(contour->GetRefinement()).Stage == RefinementStage::Working);
     contour->Refine();
     contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   }

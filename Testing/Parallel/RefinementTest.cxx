@@ -17,6 +17,8 @@
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 
+#include "Ranks/Query/Refinement.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -29,15 +31,15 @@ namespace isosurface
 namespace
 {
 
-constexpr int Ready = 2;
-constexpr int TooLarge = 3;
+constexpr RefinementStage Ready = RefinementStage::Ready;
+constexpr RefinementStage TooLarge = RefinementStage::TooLarge;
 
 std::atomic<bool> AreThreadsRefused{ false };
 
-class Refinement : public testing::TestWithParam<int>
+class RefinementOnRanks : public testing::TestWithParam<int>
 {
 protected:
-  Refinement()
+  RefinementOnRanks()
     : Image(MakeClosedVolume({ -41, 68, -7, 103, -90, 28 }, VTK_SHORT))
     , Volume("Refinement-" + std::to_string(GetParam()), this->Image, { 16, GetParam() })
   {
@@ -55,17 +57,18 @@ protected:
 
 public:
   /// Collective. The stage after work, which is the same on all ranks in each slice.
-  static int Prepare(vtkStabbingContour* contour)
+  static RefinementStage Prepare(vtkStabbingContour* contour)
   {
+    const auto read = [&] { return Refinement::FromValues(contour->GetRefinement()); };
     do
     {
       contour->PrepareRefinement(2);
-      for (int n = 0; n < 9; ++n)
+      for (const double value : read().ToValues())
       {
-        EXPECT_TRUE(IsSame(contour->GetRefinement()[n])) << "of " << n;
+        EXPECT_TRUE(IsSame(value)) << value;
       }
-    } while (contour->GetRefinement()[0] == 1);
-    return static_cast<int>(contour->GetRefinement()[0]);
+    } while (read().Stage == RefinementStage::Working);
+    return read().Stage;
   }
 
 protected:
@@ -84,7 +87,7 @@ protected:
   const SharedVolume Volume;
 };
 
-TEST_P(Refinement, EndsWithTheSurfaceOfTheWholeVolume)
+TEST_P(RefinementOnRanks, EndsWithTheSurfaceOfTheWholeVolume)
 {
   ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
@@ -138,7 +141,7 @@ protected:
     this->Contour->AllowCoarse(1);
     this->Update();
     this->Contour->AllowCoarse(0);
-    EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+    EXPECT_EQ(RefinementOnRanks::Prepare(this->Contour), Ready);
   }
   /// Puts what ParaView has behind each source between the source and the contour.
   void InsertPostFilter()
@@ -176,7 +179,7 @@ TEST_F(ImageRefinement, KeepsItsIslandsAtEachStep)
   this->Contour->AllowCoarse(0);
   EXPECT_GT(coarse, 0u);
   EXPECT_LT(coarse, exact / 2);
-  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  EXPECT_EQ(RefinementOnRanks::Prepare(this->Contour), Ready);
   this->Contour->Refine();
   EXPECT_EQ(this->CountTriangles(), exact);
   EXPECT_EQ(std::string(this->Contour->GetIslandSummary()).rfind("2 of ", 0), 0u);
@@ -190,7 +193,7 @@ TEST_F(ImageRefinement, IsCoarseAtOnceAndExactAtTheEnd)
   EXPECT_GT(coarse, 0u);
   EXPECT_FALSE(this->Contour->GetFinal());
   EXPECT_EQ(GetCost(this->Contour->GetOutput(), "Level"), 2);
-  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  EXPECT_EQ(RefinementOnRanks::Prepare(this->Contour), Ready);
   EXPECT_EQ(this->CountTriangles(), coarse) << "nobody has asked for a finer one";
   this->Contour->Refine();
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
@@ -241,7 +244,7 @@ TEST_F(ImageRefinement, BeginsWithAFewTrianglesHoweverManyTheExactOneHas)
   EXPECT_LT(this->CountTriangles(), 100'000U);
   EXPECT_FALSE(this->Contour->GetFinal());
   this->Contour->AllowCoarse(0);
-  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  EXPECT_EQ(RefinementOnRanks::Prepare(this->Contour), Ready);
   this->Contour->Refine();
   ExpectSurfaceOf(this->Update(), noise, Isovalue);
 }
@@ -305,13 +308,13 @@ TEST_F(ImageRefinement, IsDroppedWhenTheImagesChange)
 {
   this->Contour->AllowCoarse(1);
   this->Update();
-  EXPECT_EQ(Refinement::Prepare(this->Contour), Ready);
+  EXPECT_EQ(RefinementOnRanks::Prepare(this->Contour), Ready);
   this->Contour->AllowCoarse(0);
   this->Source->Modified();
   ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
 }
 
-TEST_P(Refinement, OfAnEarlierIsovalueIsDroppedByAll)
+TEST_P(RefinementOnRanks, OfAnEarlierIsovalueIsDroppedByAll)
 {
   ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
@@ -330,7 +333,7 @@ TEST_P(Refinement, OfAnEarlierIsovalueIsDroppedByAll)
   ExpectSurfaceOf(Finish(pipeline, 100.5), this->Image, 100.5);
 }
 
-TEST_P(Refinement, BeyondMemoryWaitsUntilAllRanksAcceptItsSize)
+TEST_P(RefinementOnRanks, BeyondMemoryWaitsUntilAllRanksAcceptItsSize)
 {
   ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
@@ -347,7 +350,7 @@ TEST_P(Refinement, BeyondMemoryWaitsUntilAllRanksAcceptItsSize)
 }
 
 // Refine extracts without preparation then.
-TEST_P(Refinement, WithoutAThreadOnOneRankIsLeftToAllRanks)
+TEST_P(RefinementOnRanks, WithoutAThreadOnOneRankIsLeftToAllRanks)
 {
   ContourPipeline pipeline(this->Volume.Path);
   pipeline.Contour->ProgressiveOn();
@@ -359,7 +362,7 @@ TEST_P(Refinement, WithoutAThreadOnOneRankIsLeftToAllRanks)
   ExpectSurfaceOf(Finish(pipeline, 60.5), this->Image, 60.5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Stores, Refinement, testing::Values(1, 3));
+INSTANTIATE_TEST_SUITE_P(Stores, RefinementOnRanks, testing::Values(1, 3));
 
 } // namespace
 } // namespace isosurface

@@ -16,6 +16,8 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnsignedCharArray.h"
 
+#include "Ranks/Query/Refinement.h"
+
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -264,13 +266,14 @@ namespace
 {
 
 // Until the exact slice is there; returns the stage.
-double WaitForExact(vtkVolumeSlice* slice)
+RefinementStage WaitForExact(vtkVolumeSlice* slice)
 {
+  const auto read = [&] { return Refinement::FromValues(slice->GetRefinement()).Stage; };
   do
   {
     slice->PrepareRefinement(20);
-  } while (slice->GetRefinement()[0] == 1);
-  return slice->GetRefinement()[0];
+  } while (read() == RefinementStage::Working);
+  return read();
 }
 
 } // namespace
@@ -298,11 +301,11 @@ TEST(SlicesOnRanks, AWindowGetsALargeSliceCoarseFirstAndScriptsGetTheExactOne)
   expect(4, coarse);
   slice->AllowCoarse(0);
   expect(4, coarse); // the same slice
-  EXPECT_EQ(WaitForExact(slice), 2);
+  EXPECT_EQ(WaitForExact(slice), RefinementStage::Ready);
   expect(4, coarse);
   slice->Refine();
   expect(4, exact);
-  EXPECT_EQ(WaitForExact(slice), 0);
+  EXPECT_EQ(WaitForExact(slice), RefinementStage::None);
 
   expect(3, exact);
   slice->AllowCoarse(1);
@@ -357,7 +360,7 @@ TEST(SlicesOnRanks, AnExactSliceThatCannotBeMadeIsAnErrorAfterRefine)
       std::filesystem::resize_file(
         HidePath(volume.Path + ".stores") + "/000001/store-00002/blocks", 4096);
     });
-  EXPECT_EQ(WaitForExact(slice), 2);
+  EXPECT_EQ(WaitForExact(slice), RefinementStage::Ready);
   slice->Refine();
   const ErrorCounter errors(slice);
   slice->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);

@@ -8,6 +8,7 @@
 #include "vtkStabbingContour.h"
 
 #include "Ground/Base/FileSystem.h"
+#include "Ranks/Query/Refinement.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
 #include "vtkPassThrough.h"
@@ -27,15 +28,6 @@ using namespace isosurface;
 namespace
 {
 
-/// Stages of a refinement, as vtkStabbingContour documents them.
-enum
-{
-  Nothing,
-  Working,
-  Ready,
-  TooLarge
-};
-
 class StabbingContourProgressive : public testing::Test
 {
 protected:
@@ -53,15 +45,16 @@ protected:
   }
 
   /// Works beside this thread until the stage is another one than that of work.
-  int PrepareToTheEnd()
+  RefinementStage PrepareToTheEnd()
   {
     do
     {
       this->Contour->PrepareRefinement(5);
-    } while (this->GetStage() == Working);
+    } while (this->GetStage() == RefinementStage::Working);
     return this->GetStage();
   }
-  int GetStage() { return static_cast<int>(this->Contour->GetRefinement()[0]); }
+  Refinement GetRefinement() { return Refinement::FromValues(this->Contour->GetRefinement()); }
+  RefinementStage GetStage() { return this->GetRefinement().Stage; }
 
   int GetLevel() { return static_cast<int>(GetCost(this->Contour->GetOutput(), "Level")); }
 
@@ -257,9 +250,9 @@ TEST_F(StabbingContourProgressive, ExtractsBesideAndThenTakesTheSameSurface)
   {
     const vtkMTimeType filter = this->Contour->GetMTime();
     const vtkMTimeType output = this->Contour->GetOutput()->GetMTime();
-    ASSERT_EQ(this->PrepareToTheEnd(), Ready);
-    EXPECT_EQ(this->Contour->GetRefinement()[5], 1);
-    const int next = static_cast<int>(this->Contour->GetRefinement()[2]);
+    ASSERT_EQ(this->PrepareToTheEnd(), RefinementStage::Ready);
+    EXPECT_EQ(this->GetRefinement().Share, 1);
+    const int next = this->GetRefinement().NextLevel;
     this->Contour->Update();
     EXPECT_EQ(this->Contour->GetMTime(), filter) << "what is shown has not changed";
     EXPECT_EQ(this->Contour->GetOutput()->GetMTime(), output);
@@ -276,7 +269,7 @@ TEST_F(StabbingContourProgressive, ExtractsBesideAndThenTakesTheSameSurface)
   EXPECT_GT(passes, 0);
   EXPECT_TRUE(AreBitwiseEqual(this->Contour->GetOutput(), atOnce->GetOutput()));
   this->ExpectSurfaceOfItsLevel(0.3);
-  EXPECT_EQ(this->PrepareToTheEnd(), Nothing);
+  EXPECT_EQ(this->PrepareToTheEnd(), RefinementStage::None);
   this->ExpectNoErrors();
 }
 
@@ -284,22 +277,22 @@ TEST_F(StabbingContourProgressive, DropsWhatAChangeHasMadeUseless)
 {
   this->Contour->Update();
   this->Contour->PrepareRefinement(0);
-  EXPECT_NE(this->GetStage(), Nothing);
+  EXPECT_NE(this->GetStage(), RefinementStage::None);
   this->Contour->SetValue(0, 0.25);
   this->Contour->PrepareRefinement(0);
-  EXPECT_EQ(this->GetStage(), Nothing) << "changed, and not executed yet";
+  EXPECT_EQ(this->GetStage(), RefinementStage::None) << "changed, and not executed yet";
   this->Contour->Update();
   EXPECT_FALSE(this->Contour->GetFinal());
   this->ExpectSurfaceOfItsLevel(0.25);
 
   // A change while a finished surface waits to be taken.
-  ASSERT_EQ(this->PrepareToTheEnd(), Ready);
+  ASSERT_EQ(this->PrepareToTheEnd(), RefinementStage::Ready);
   this->Contour->Refine();
   this->Contour->SetValue(0, 0.3);
   this->Contour->Update();
   this->ExpectSurfaceOfItsLevel(0.3);
 
-  ASSERT_EQ(this->PrepareToTheEnd(), Ready);
+  ASSERT_EQ(this->PrepareToTheEnd(), RefinementStage::Ready);
   this->Contour->DropRefinement();
   EXPECT_EQ(this->FinishLevels().back(), 0) << "Refine extracts what is not prepared";
   this->ExpectSurfaceOfItsLevel(0.3);
@@ -343,22 +336,23 @@ TEST_F(StabbingContourProgressive, AsksBeforeASurfaceThatDoesNotFitIntoMemory)
   this->Contour->SetRefinementMemory(0.01);
   EXPECT_EQ(this->Contour->GetMTime(), time);
   this->Contour->PrepareRefinement(0);
-  const double* refinement = this->Contour->GetRefinement();
-  EXPECT_EQ(refinement[0], TooLarge);
-  EXPECT_EQ(refinement[1], this->GetLevel());
-  EXPECT_LT(refinement[2], refinement[1]);
-  EXPECT_EQ(refinement[4], refinement[1]) << "the level that fits is the one that is there";
-  EXPECT_GT(refinement[7], 0.8 * refinement[8]);
+  const Refinement refinement = this->GetRefinement();
+  EXPECT_EQ(refinement.Stage, RefinementStage::TooLarge);
+  EXPECT_EQ(refinement.ShownLevel, this->GetLevel());
+  EXPECT_LT(refinement.NextLevel, refinement.ShownLevel);
+  EXPECT_EQ(refinement.FittingLevel, refinement.ShownLevel)
+    << "the level that fits is the one that is there";
+  EXPECT_GT(refinement.Bytes, 0.8 * refinement.FreeBytes);
   this->Contour->AcceptSize();
-  EXPECT_EQ(this->PrepareToTheEnd(), Ready);
+  EXPECT_EQ(this->PrepareToTheEnd(), RefinementStage::Ready);
   EXPECT_EQ(this->FinishLevels().back(), 0);
   const auto triangles = static_cast<double>(this->Contour->GetOutput()->GetNumberOfPolys());
 
   this->Contour->SetValue(0, 0.3001);
   this->Contour->Update();
-  EXPECT_EQ(this->PrepareToTheEnd(), TooLarge) << "consent is for one surface";
+  EXPECT_EQ(this->PrepareToTheEnd(), RefinementStage::TooLarge) << "consent is for one surface";
   this->Contour->SetRefinementMemory(0);
-  for (; this->PrepareToTheEnd() == Ready; this->Contour->Update())
+  for (; this->PrepareToTheEnd() == RefinementStage::Ready; this->Contour->Update())
   {
     this->Contour->Refine();
   }
@@ -393,7 +387,7 @@ TEST_F(StabbingContourProgressive, TellsOfErrorsOfWhatWasExtractedBeside)
       Truncate(entry.path().string(), 100);
     }
   }
-  ASSERT_EQ(this->PrepareToTheEnd(), Ready);
+  ASSERT_EQ(this->PrepareToTheEnd(), RefinementStage::Ready);
   EXPECT_TRUE(this->Errors.Messages.empty());
   this->Contour->Refine();
   this->Contour->Update();

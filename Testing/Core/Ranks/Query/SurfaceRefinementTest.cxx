@@ -180,6 +180,14 @@ protected:
 
 } // namespace
 
+TEST(Refinement, KeepsEachMemberAsAValueOfAProperty)
+{
+  const Refinement written = { RefinementStage::Growing, 3, 2, 1, 4, 0.25, 1e9, 2.5e12, 7e3, 61 };
+  const Refinement::Values values = written.ToValues();
+  EXPECT_EQ(values, (Refinement::Values{ 4, 3, 2, 1, 4, 0.25, 1e9, 2.5e12, 7e3, 61 }));
+  EXPECT_EQ(Refinement::FromValues(values.data()).ToValues(), values);
+}
+
 TEST_F(SurfaceRefinementTest, GoesFromACoarseSurfaceToTheFinalOne)
 {
   const std::uint64_t exact = this->CountExactTriangles();
