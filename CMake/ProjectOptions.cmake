@@ -69,7 +69,18 @@ function(isosurface_add_room name)
     set_target_properties(${name} PROPERTIES CXX_CLANG_TIDY "${isosurface_clang_tidy}")
   endif()
   target_sources(${room_LIBRARY} PRIVATE $<TARGET_OBJECTS:${name}>)
+  if(room_LIBRARY MATCHES "^Isosurface(Core|Formats)$")
+    target_sources(IsosurfaceStatic PRIVATE $<TARGET_OBJECTS:${name}>)
+  endif()
   target_link_libraries(${room_LIBRARY} PRIVATE ${room_LINK})
+endfunction()
+
+# A library that shows nothing but the symbols of a version script, and has its own copy of what it uses of
+# IsosurfaceStatic.
+function(isosurface_hide_rooms library script)
+  target_link_libraries(${library} PRIVATE IsosurfaceStatic)
+  target_link_options(${library} PRIVATE "LINKER:--version-script=${script}")
+  set_target_properties(${library} PROPERTIES LINK_DEPENDS "${script}")
 endfunction()
 
 # A VTK module of this project: on top of Core, with the project's options.

@@ -35,14 +35,15 @@ MAY_INCLUDE = {
     "Representation": CORE + ["Bridge", "Surfaces"],
     "Plugin": CORE + ["Bridge", "Surfaces", "Representation"],
     "Tools": CORE + ["Formats", "Bridge", "Writers"],
+    "Interface": CORE + ["Formats"],
     "Python": CORE + ["Formats"],
 }
 # Where the map has a district: row, first column, columns of four. Rows of Core are in its frame.
 PLACES = {
     "Plugin": (0, 0, 2), "Tools": (0, 2, 2),
     "Representation": (1, 0, 1), "Rendering": (1, 1, 1), "Writers": (1, 2, 2),
-    "Surfaces": (2, 0, 1), "Filters": (2, 2, 2),
-    "Readers": (3, 2, 1.1), "Python": (3, 3.1, 0.9),
+    "Surfaces": (2, 0, 1), "Filters": (2, 2, 1), "Python": (2, 3, 1),
+    "Readers": (3, 1.6, 1.2), "Interface": (3, 2.8, 1.2),
     "Bridge": (4, 0, 2.5), "Formats": (4, 2.5, 1.5),
     RANKS: (5, 0, 4),
     STORAGE: (6, 0, 2), CODING: (6, 2, 2),

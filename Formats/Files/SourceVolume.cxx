@@ -96,15 +96,16 @@ std::int64_t FindEndOfSlab(
 } // namespace
 
 Result<std::shared_ptr<SourceVolume>> SourceVolume::Open(
-  const std::string& path, std::string axes, int threads)
+  const std::string& path, const OpeningChoice& choice)
 {
   std::shared_ptr<SourceVolume> volume(new SourceVolume);
   volume->Path = path;
-  volume->Axes = std::move(axes);
-  volume->Threads = threads;
+  volume->Axes = choice.Axes;
+  volume->Threads = choice.Threads;
   ISOSURFACE_ASSIGN_OR_RETURN(auto opened, volume->OpenStep(0));
   volume->Grid = opened.Grid;
   volume->Lines = std::move(opened.Lines);
+  ISOSURFACE_RETURN_IF_ERROR(choice.Place.Apply(path, volume->Lines.has_value(), volume->Grid));
   volume->Arrays = std::move(opened.Arrays);
   volume->LeftOut = std::move(opened.LeftOut);
   volume->Times.assign(opened.Times.begin(), opened.Times.end());

@@ -17,10 +17,9 @@ namespace isosurface
 class SourceVolume : public VolumeFile
 {
 public:
-  /// The first time step is opened at once. `threads`: of GetBlocks, as
-  /// BlockedVolumeSettings::Threads. Errors and cost: OpenForeignVolume.
+  /// The first time step is opened at once. Errors and cost: OpenForeignVolume, GridPlace::Apply.
   static Result<std::shared_ptr<SourceVolume>> Open(
-    const std::string& path, std::string axes, int threads);
+    const std::string& path, const OpeningChoice& choice);
 
   const std::string& GetPath() const override { return this->Path; }
   const std::vector<ArrayDescription>& GetArrays() const override { return this->Arrays; }

@@ -37,16 +37,17 @@ SampleRequest Coarsen(SampleRequest request, int levels)
 
 } // namespace
 
-Result<std::shared_ptr<StoredVolume>> StoredVolume::Open(const std::string& path)
+Result<std::shared_ptr<StoredVolume>> StoredVolume::Open(
+  const std::string& path, const GridPlace& place)
 {
   ISOSURFACE_ASSIGN_OR_RETURN(auto volume,
     BlockedVolume::Open(
-      path, GetLocalFileSystem(), BlockCache::GetProcessCache(), OpenForeignVolume));
+      path, GetLocalFileSystem(), BlockCache::GetProcessCache(), OpenForeignVolume, place));
   if (volume->GetHeader().TimeSteps.empty())
   {
     return Status(StatusCode::Corrupt, path + ": the volume has no time step");
   }
-  return std::shared_ptr<StoredVolume>(new StoredVolume(std::move(volume)));
+  return std::make_shared<StoredVolume>(std::move(volume));
 }
 
 StoredVolume::StoredVolume(std::shared_ptr<BlockedVolume> volume)

@@ -19,7 +19,10 @@ class StoredVolume : public VolumeFile
 {
 public:
   /// Errors and cost: BlockedVolume::Open.
-  static Result<std::shared_ptr<StoredVolume>> Open(const std::string& path);
+  static Result<std::shared_ptr<StoredVolume>> Open(
+    const std::string& path, const GridPlace& place = {});
+  /// Of one that is open, with a time step.
+  explicit StoredVolume(std::shared_ptr<BlockedVolume> volume);
 
   const std::string& GetPath() const override { return this->Volume->GetPath(); }
   const std::vector<ArrayDescription>& GetArrays() const override
@@ -37,7 +40,6 @@ public:
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
 
 private:
-  explicit StoredVolume(std::shared_ptr<BlockedVolume> volume);
   Result<std::shared_ptr<const LevelSamples>> FindSamples(std::size_t timeStep, int level);
 
   std::shared_ptr<BlockedVolume> Volume;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Files/SurfaceQueries.h"
 
-#include "Ground/Base/Communicator.h"
-#include "Ranks/Query/LevelChoice.h"
-#include "Ranks/Query/LevelExtraction.h"
+#include "Ground/Base/OutputCheck.h"
+#include "Ranks/Query/ContourBlocks.h"
+#include "Ranks/Query/ContourIslands.h"
+#include "Ranks/Query/VolumeContour.h"
 #include "Ranks/Sharing/QueryPlan.h"
 #include "Ranks/Sharing/StoreRecovery.h"
 
+#include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -36,6 +39,8 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   searched.Query.Variable = *variable;
   searched.Query.Isovalues = request.Isovalues;
   searched.Query.Attributes = request.Attributes;
+  searched.Query.Rank = request.Ranks ? request.Ranks->GetRank() : 0;
+  searched.Query.Ranks = request.Ranks ? request.Ranks->GetSize() : 1;
   searched.Query.Selection.ClosedSides = request.ClosedSides;
   if (request.Bounds)
   {
@@ -44,32 +49,59 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   return searched;
 }
 
-Status KeepIslands(
-  const ExtractionTask& task, int level, const IslandRequest& islands, Surface& surface)
+Status KeepIslands(Communicator& ranks, const ExtractionTask& task, int level,
+  IslandRequest islands, Surface& surface)
 {
+  islands.Level = level;
   const GridGeometry grid = task.Volume->GetHeader().Grid.Coarsen(level);
   const IslandGrids grids{ TriangleBounds::Of(grid, task.Volume->GetLines(level)),
     { SharedPlanes(grid, task.Request) } };
-  SerialCommunicator alone;
   ChosenIslands unused;
-  return ChooseIslands(alone, islands, grids, task.Threads, surface, unused);
+  return ChooseIslands(ranks, islands, grids, task.Threads, surface, unused);
 }
 
-/// Runs a step anew as long as it fails, and other replicas of stores are known.
-template <typename Step>
-Status RunAlone(BlockedVolume& volume, std::string& warning, const Step& step)
+SerialCommunicator& GetAlone()
 {
-  SerialCommunicator alone;
-  return RunWithReplicas(
-    alone, [&] { return &volume; }, warning, step);
+  static SerialCommunicator alone;
+  return alone;
+}
+
+/// MakeQuery on each rank; all agree on the error.
+Result<SearchedBlocks> MakeCommonQuery(Communicator& ranks, VolumeFile& file,
+  const ContouredSamples& samples, const SurfaceRequest& request, const Progress& progress)
+{
+  auto searched =
+    Attempt(file.GetPath(), [&] { return MakeQuery(file, samples, request, progress); });
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(searched.GetStatus()));
+  return searched;
+}
+
+/// The ends of a range, NaN if it is empty.
+std::array<double, 2> FindValues(const KeyRange& range, ValueType type)
+{
+  std::array<double, 2> values{};
+  values.fill(std::numeric_limits<double>::quiet_NaN());
+  if (!range.IsEmpty())
+  {
+    DispatchValueType(type,
+      [&](auto zero)
+      {
+        using T = decltype(zero);
+        values = { static_cast<double>(MakeValueOfKey<T>(range.Minimum)),
+          static_cast<double>(MakeValueOfKey<T>(range.Maximum)) };
+      });
+  }
+  return values;
 }
 
 } // namespace
 
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress, std::string& warning)
+  const SurfaceRequest& request, const Progress& progress, std::string& warning, int* level)
 {
-  ISOSURFACE_ASSIGN_OR_RETURN(auto searched, MakeQuery(file, samples, request, progress));
+  Communicator& ranks = request.Ranks ? *request.Ranks : GetAlone();
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto searched, MakeCommonQuery(ranks, file, samples, request, progress));
   ExtractionTask task;
   task.Volume = searched.Volume;
   task.Query = searched.Query;
@@ -79,7 +111,7 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   task.Request.Precision = request.Precision;
   task.Request.ClosedSides = request.ClosedSides;
   task.Request.DropDegenerateTriangles = request.DropDegenerateTriangles;
-  task.Request.GlobalIds = request.Islands.has_value();
+  task.Request.GlobalIds = request.GlobalIds || request.Islands;
   task.Threads = request.Threads;
   task.Advance = progress;
   for (const std::size_t array : request.Attributes)
@@ -88,12 +120,27 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
     task.Request.Attributes.push_back({ description.Type, description.Components });
   }
   ExtractionOutcome outcome;
-  ISOSURFACE_RETURN_IF_ERROR(
-    RunAlone(*task.Volume, warning, [&] { return ExtractLevel(task, samples.Level, outcome); }));
+  outcome.Cost.Level = samples.Level;
+  const auto extract = [&]() -> Status
+  {
+    if (!request.Budget.IsLimited())
+    {
+      return Attempt(file.GetPath(), [&] { return ExtractLevel(task, samples.Level, outcome); });
+    }
+    VolumeContour contour;
+    return contour.ExtractWithinBudget(ranks, request.Budget, task, samples.Level, outcome);
+  };
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(RunWithReplicas(
+    ranks, [&] { return task.Volume.get(); }, warning, extract)));
+  const int found = outcome.Cost.Level;
   if (request.Islands)
   {
     ISOSURFACE_RETURN_IF_ERROR(
-      KeepIslands(task, samples.Level, *request.Islands, outcome.Extracted));
+      KeepIslands(ranks, task, found, *request.Islands, outcome.Extracted));
+  }
+  if (level)
+  {
+    *level = found;
   }
   return std::move(outcome.Extracted);
 }
@@ -117,8 +164,74 @@ Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const Contoure
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(RunAlone(volume, warning, find));
+  ISOSURFACE_RETURN_IF_ERROR(RunWithReplicas(
+    GetAlone(), [&] { return &volume; }, warning, find));
   return boxes;
+}
+
+Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
+  const SurfaceRequest& request, const std::string& path, const EdgeIndexHeader& coding,
+  double arrayError, double normalError, const EdgeIndexWriteJob::Settings& settings,
+  const Progress& progress)
+{
+  Communicator& ranks = request.Ranks ? *request.Ranks : GetAlone();
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto searched, MakeCommonQuery(ranks, file, samples, request, progress));
+  ContourBlocks blocks;
+  const auto collect = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(CheckIsOther(path, file.GetPath()));
+    ISOSURFACE_RETURN_IF_ERROR(
+      CollectVolumeBlocks(searched.Volume, searched.Query, samples.Level, blocks));
+    blocks.Isovalues = request.Isovalues;
+    blocks.Precision = request.Precision;
+    blocks.ClosedSides = request.ClosedSides;
+    blocks.ArrayName = file.GetArrays()[samples.Array].Name;
+    blocks.Islands = request.Islands;
+    blocks.Normals = request.Normals;
+    blocks.Attributes = !request.Attributes.empty();
+    blocks.Volume = searched.Volume;
+    for (const std::size_t array : request.Attributes)
+    {
+      const ArrayDescription& description = file.GetArrays()[array];
+      blocks.Arrays.push_back(
+        { description.Name, {}, { description.Type, description.Components } });
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, file.GetPath(), collect));
+  ContourRequest normals;
+  normals.NormalsRoundedOnce = true;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto header,
+    ShareHeader(ranks, true, normals,
+      [&]
+      {
+        EdgeIndexHeader made = DescribeContourBlocks(blocks, arrayError, normalError);
+        made.Settings = coding.Settings;
+        made.PreviewLevel = coding.PreviewLevel;
+        while (made.PreviewLevel > 0 && (1 << made.PreviewLevel) > blocks.BlockSize)
+        {
+          --made.PreviewLevel;
+        }
+        return made;
+      }));
+  constexpr double islandsEnd = 0.3;
+  const double middle = blocks.Islands ? islandsEnd : 0;
+  ISOSURFACE_RETURN_IF_ERROR(LeaveOutIslands(
+    ranks, blocks, settings.Threads, MakePartOfProgress(progress, 0, middle), header));
+  EdgeIndexWriteJob job(
+    ranks, GetLocalFileSystem(), path, header, *blocks.Source, blocks.Numbers, settings);
+  return job.Run(MakePartOfProgress(progress, middle, 1)).GetStatus();
+}
+
+Result<std::array<double, 2>> ReadRange(
+  VolumeFile& file, const ContouredSamples& samples, const Progress& progress)
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto searched, MakeQuery(file, samples, {}, progress));
+  const BlockedVolume& volume = *searched.Volume;
+  const SurfaceQuery& query = searched.Query;
+  return FindValues(volume.GetHeader().TimeSteps[query.TimeStep].Ranges[query.Variable],
+    volume.GetVariables()[query.Variable].Type);
 }
 
 Result<double> EstimateTriangles(VolumeFile& file, const ContouredSamples& samples,

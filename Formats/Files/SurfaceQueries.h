@@ -4,7 +4,10 @@
 
 #include "Formats/Files/VolumeFile.h"
 
+#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
+#include "Ground/Base/Communicator.h"
 #include "Ranks/Islands/IslandChoice.h"
+#include "Ranks/Query/LevelChoice.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Surface/Contour/Surface.h"
 
@@ -39,12 +42,25 @@ struct SurfaceRequest
   std::optional<IslandRequest> Islands; ///< nothing: all
   std::vector<std::size_t> Attributes;  ///< arrays to interpolate
   int Threads = 1;
+  bool GlobalIds = false;
+  ExtractionBudget Budget;
+  Communicator* Ranks = nullptr; ///< that share the surface; null: this process alone has it
 };
 
-/// The isosurfaces. `warning` names lost stores, whose replicas were read. Cost and errors:
-/// ExtractLevel, ChooseIslands, and GetBlocks of the file.
+/// The isosurfaces; of several ranks this one's part. `warning` names lost stores, whose replicas were read.
+/// `level` becomes that of the surface. Collective with ranks. Cost and errors: VolumeContour, ChooseIslands,
+/// and GetBlocks of the file.
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress, std::string& warning);
+  const SurfaceRequest& request, const Progress& progress, std::string& warning,
+  int* level = nullptr);
+
+/// Writes them as an edge-index file. Of the header, settings, preview and errors of arrays count
+/// (`arrayError`, `normalError`). Collective with ranks. Errors: CollectVolumeBlocks, LeaveOutIslands,
+/// EdgeIndexWriteJob; InvalidArgument if the file is the volume.
+Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
+  const SurfaceRequest& request, const std::string& path, const EdgeIndexHeader& coding,
+  double arrayError, double normalError, const EdgeIndexWriteJob::Settings& settings,
+  const Progress& progress);
 
 /// The vertices of each block that the isosurfaces cross. Cost and errors: PlanQuery; GetBlocks.
 Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const ContouredSamples& samples,
@@ -54,6 +70,10 @@ Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const Contoure
 /// LevelChoice.h, and GetBlocks of the file.
 Result<double> EstimateTriangles(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress = {});
+
+/// The minimum and the maximum of the finite samples, NaN if there are none. Errors: GetBlocks of the file.
+Result<std::array<double, 2>> ReadRange(
+  VolumeFile& file, const ContouredSamples& samples, const Progress& progress);
 
 /// Cost and errors: BlockedVolume::GetSpectrum, and GetBlocks of the file.
 Result<std::shared_ptr<const WorkloadSpectrum>> ReadSpectrum(

@@ -53,14 +53,14 @@ Result<std::shared_ptr<VolumeFile>> VolumeFile::Open(
   }
   if (kind == FileKind::BlockedVolume)
   {
-    return AsFile(StoredVolume::Open(name));
+    return AsFile(StoredVolume::Open(name, choice.Place));
   }
   FileSystem& files = GetLocalFileSystem();
   const SourceIndex index = SourceIndex::Find(files, name, "", choice.Axes, choice.IndexFolder);
   const auto state = FindIndexState(files, index);
   return state.IsOk() && *state == IndexState::Current
-    ? AsFile(StoredVolume::Open(index.Path))
-    : AsFile(SourceVolume::Open(name, choice.Axes, choice.Threads));
+    ? AsFile(StoredVolume::Open(index.Path, choice.Place))
+    : AsFile(SourceVolume::Open(name, choice));
 }
 
 } // namespace isosurface

@@ -8,6 +8,7 @@
 #include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
 #include "Ground/Volume/GridLines.h"
+#include "Ground/Volume/GridPlace.h"
 #include "Ground/Volume/VertexBox.h"
 #include "Storage/Store/SourceFiles.h"
 
@@ -40,6 +41,7 @@ struct OpeningChoice
   std::string Axes;        ///< VolumeChoice::Axes
   std::string IndexFolder; ///< where its index may be; empty: beside it
   int Threads = 0;         ///< of GetBlocks, as BlockedVolumeSettings::Threads
+  GridPlace Place = {};    ///< also of a blocked volume
 };
 
 /// One level of a volume.

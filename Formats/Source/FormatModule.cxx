@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Source/FormatModule.h"
 
+#include "Ground/Base/UsedFileSystem.h"
+
 #include <filesystem>
 
 #include <dlfcn.h>
@@ -27,6 +29,10 @@ Result<const void*> LoadFormatModule(const std::string& name, const std::string&
   const std::string path = (std::filesystem::path(FindOwnFolder()) / file).string();
   void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   const void* const found = module ? ::dlsym(module, ("Isosurface" + name).c_str()) : nullptr;
+  if (void* const use = found ? ::dlsym(module, "IsosurfaceUseFileSystem") : nullptr)
+  {
+    reinterpret_cast<decltype(&IsosurfaceUseFileSystem)>(use)(GetLocalFileSystem());
+  }
   if (!found)
   {
     const char* const reason = ::dlerror();

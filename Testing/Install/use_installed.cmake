@@ -31,6 +31,17 @@ foreach(consumer IN ITEMS Core Formats VTK)
   endif()
 endforeach()
 
+# A program in C, and a module of a format beside the library.
+file(GLOB library "${FOLDER}/prefix/lib/libscalable_isosurface.so" "${FOLDER}/prefix/lib/*/libscalable_isosurface.so")
+get_filename_component(libraries "${library}" DIRECTORY)
+file(WRITE "${FOLDER}/cube_2x2x2_uint8.raw" "abcdefgh")
+run(cc -std=c99 "${CMAKE_CURRENT_LIST_DIR}/../../Examples/surface_in_c.c" "-I${FOLDER}/prefix/include"
+  "-L${libraries}" "-Wl,-rpath,${libraries}" -lscalable_isosurface -o "${FOLDER}/surface_in_c")
+run("${FOLDER}/surface_in_c" "${FOLDER}/cube_2x2x2_uint8.raw" 100.5 "${FOLDER}/cube.obj")
+if(NOT output MATCHES "2 x 2 x 2 uint8.*the surface of 100.5 has 2 triangles")
+  message(FATAL_ERROR "The program in C said: ${output}")
+endif()
+
 # Whoever wants a newer version than the installed one is told so.
 file(WRITE "${FOLDER}/newer/CMakeLists.txt"
   "cmake_minimum_required(VERSION 3.18)\nproject(Newer LANGUAGES CXX)\nfind_package(ScalableIsosurface 99 REQUIRED)\n")

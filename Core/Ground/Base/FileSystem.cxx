@@ -3,8 +3,10 @@
 
 #include "Ground/Base/DescriptorPool.h"
 #include "Ground/Base/ReadingStop.h"
+#include "Ground/Base/UsedFileSystem.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -451,6 +453,8 @@ private:
   DescriptorPool Descriptors{ DescriptorPool::ChooseLimit() };
 };
 
+std::atomic<FileSystem*> OtherFileSystem = nullptr; ///< UseFileSystem
+
 } // namespace
 
 thread_local const Progress* ReadingStop::Current = nullptr;
@@ -464,7 +468,13 @@ FileSystem& GetLocalFileSystem()
 {
   // Never destroyed: files may be open until the very end of the process.
   static LocalFileSystem& fileSystem = *new LocalFileSystem;
-  return fileSystem;
+  FileSystem* const other = OtherFileSystem;
+  return other ? *other : fileSystem;
+}
+
+void IsosurfaceUseFileSystem(FileSystem& fileSystem)
+{
+  OtherFileSystem = &fileSystem;
 }
 
 std::string DescribeLackOfRoom(

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: BSD-3-Clause
+ *
+ * Prints what a volume is, cuts its middle slice, extracts an isosurface, and writes that as a text of points and
+ * triangles (.obj).
+ *
+ *     cc -std=c99 surface_in_c.c -lscalable_isosurface -o surface_in_c
+ *     ./surface_in_c head.nii.gz 300 head.obj
+ */
+#include <scalable_isosurface.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Ends the program with what the library says of a call that has failed. */
+static void check(si_status status)
+{
+  if (status != SI_OK)
+  {
+    fprintf(stderr, "%s\n", si_error());
+    exit(EXIT_FAILURE);
+  }
+}
+
+static int show_progress(double done, void* context)
+{
+  fprintf(stderr, "%s: %.0f %%\n", (const char*)context, 100 * done);
+  return 0; /* go on */
+}
+
+static int save(const si_surface* surface, const char* path)
+{
+  const float* points = surface->points;
+  const int32_t* corners = surface->corners;
+  FILE* file = fopen(path, "w");
+  if (!file)
+  {
+    perror(path);
+    return EXIT_FAILURE;
+  }
+  for (size_t point = 0; point < surface->point_count; ++point)
+  {
+    fprintf(file, "v %.9g %.9g %.9g\n", (double)points[3 * point], (double)points[3 * point + 1],
+      (double)points[3 * point + 2]);
+  }
+  for (size_t triangle = 0; triangle < surface->triangle_count; ++triangle)
+  {
+    fprintf(file, "f %" PRId32 " %" PRId32 " %" PRId32 "\n", corners[3 * triangle] + 1,
+      corners[3 * triangle + 1] + 1, corners[3 * triangle + 2] + 1);
+  }
+  return fclose(file) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+int main(int argc, char** argv)
+{
+  if (argc != 4)
+  {
+    fprintf(stderr, "usage: surface_in_c VOLUME ISOVALUE OUTPUT.obj\n");
+    return EXIT_FAILURE;
+  }
+  si_run run = { .size = sizeof(run) };
+  run.progress = show_progress;
+  run.context = argv[1];
+  si_volume* volume = NULL;
+  check(si_volume_open(argv[1], NULL, &run, &volume));
+
+  const si_array* array = si_volume_describe(volume)->arrays;
+  const si_grid* grid = si_volume_grid(volume, 0);
+  printf("%s: %" PRId64 " x %" PRId64 " x %" PRId64 " %s, spacing %g %g %g %s\n", array->name,
+    grid->dimensions[0], grid->dimensions[1], grid->dimensions[2], si_type_name(array->type),
+    grid->spacing[0], grid->spacing[1], grid->spacing[2], grid->length_unit);
+
+  si_box slice = { .size = sizeof(slice) }; /* of array 0, at time step 0 and level 0 */
+  slice.high[0] = grid->dimensions[0];
+  slice.high[1] = grid->dimensions[1];
+  slice.low[2] = grid->dimensions[2] / 2;
+  slice.high[2] = slice.low[2] + 1;
+  static const size_t sizes[] = { 1, 1, 2, 2, 4, 4, 8, 8, 4,
+    8 }; /* of the types, by their numbers */
+  const size_t bytes =
+    (size_t)(slice.high[0] * slice.high[1]) * (size_t)array->components * sizes[array->type];
+  void* samples = malloc(bytes);
+  check(samples ? si_volume_read(volume, &slice, samples, bytes, &run) : SI_OK);
+  free(samples);
+
+  const double isovalue = atof(argv[2]);
+  si_surface_request request = { .size = sizeof(request) };
+  request.isovalue_count = 1;
+  request.isovalues = &isovalue;
+  request.points = SI_FLOAT32;
+  si_surface* surface = NULL;
+  check(si_volume_extract(volume, &request, &run, &surface));
+  printf("the surface of %g has %zu triangles\n", isovalue, surface->triangle_count);
+  const int status = surface->corner_type == SI_INT32 ? save(surface, argv[3]) : EXIT_FAILURE;
+  si_surface_free(surface);
+  si_volume_close(volume);
+  return status;
+}

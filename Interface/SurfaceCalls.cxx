@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Interface/VolumeHandle.h"
+
+#include "Formats/Files/SurfaceFile.h"
+#include "Formats/Files/SurfaceQueries.h"
+
+#include <limits>
+#include <utility>
+
+using namespace isosurface;
+
+namespace isosurface
+{
+namespace
+{
+
+struct OwnedSurface : si_surface
+{
+  /// `names`: of the attributes.
+  OwnedSurface(
+    Surface surface, bool hasNormals, bool hasGlobalIds, std::vector<std::string> names, int chosen)
+    : si_surface{}
+    , Owned(std::move(surface))
+    , Names(std::move(names))
+  {
+    Surface& made = this->Owned;
+    this->size = sizeof(si_surface);
+    this->point_count = made.NumberOfPoints;
+    this->triangle_count = made.NumberOfCells;
+    this->point_type = made.HasDoublePoints ? SI_FLOAT64 : SI_FLOAT32;
+    this->points = made.HasDoublePoints ? static_cast<void*>(made.DoublePoints.GetData())
+                                        : static_cast<void*>(made.Points.GetData());
+    IndexArray& numbers = made.Connectivity;
+    this->corner_type = numbers.Is64Bit ? SI_INT64 : SI_INT32;
+    this->corners = numbers.Is64Bit ? static_cast<void*>(numbers.Values64.GetData())
+                                    : static_cast<void*>(numbers.Values32.GetData());
+    this->normals = hasNormals ? made.Normals.GetData() : nullptr;
+    this->global_ids = hasGlobalIds ? made.GlobalIds.GetData() : nullptr;
+    for (const SurfacePart& part : made.Parts)
+    {
+      this->Isovalues.push_back(part.Isovalue);
+      this->FirstPoints.push_back(static_cast<std::int64_t>(part.FirstPoint));
+      this->FirstTriangles.push_back(static_cast<std::int64_t>(part.FirstCell));
+    }
+    this->FirstPoints.push_back(static_cast<std::int64_t>(this->point_count));
+    this->FirstTriangles.push_back(static_cast<std::int64_t>(this->triangle_count));
+    this->part_count = this->Isovalues.size();
+    this->isovalues = this->Isovalues.data();
+    this->first_points = this->FirstPoints.data();
+    this->first_triangles = this->FirstTriangles.data();
+    for (std::size_t number = 0; number < made.Attributes.size(); ++number)
+    {
+      SurfaceAttribute& attribute = made.Attributes[number];
+      this->Values.push_back({ this->Names[number].c_str(),
+        static_cast<std::int32_t>(GetInterpolatedType(attribute.Layout.Type)),
+        attribute.Layout.NumberOfComponents, attribute.Bytes.GetData() });
+    }
+    this->attribute_count = this->Values.size();
+    this->attributes = this->Values.data();
+    this->level = static_cast<std::size_t>(chosen);
+  }
+
+  Surface Owned;
+  const std::vector<std::string> Names;
+  std::vector<double> Isovalues;
+  std::vector<std::int64_t> FirstPoints;
+  std::vector<std::int64_t> FirstTriangles;
+  std::vector<si_values> Values;
+};
+
+struct OwnedBoxes : si_boxes
+{
+  explicit OwnedBoxes(const std::vector<VertexBox>& found)
+    : si_boxes{}
+  {
+    for (const VertexBox& box : found)
+    {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        this->Ends.push_back(box.Low[axis]);
+        this->Ends.push_back(box.High[axis]);
+      }
+    }
+    this->size = sizeof(si_boxes);
+    this->count = found.size();
+    this->boxes = this->Ends.data();
+  }
+
+  std::vector<std::int64_t> Ends;
+};
+
+/// What is asked for, and of which samples.
+struct TakenRequest
+{
+  ContouredSamples Samples;
+  SurfaceRequest Surfaces;
+  std::vector<std::string> Names; ///< of attributes
+};
+
+Result<TakenRequest> TakeRequest(
+  const si_volume& volume, const si_surface_request* given, int threads, Call& call)
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto taken, TakeStructure(given, "si_surface_request"));
+  TakenRequest made;
+  ISOSURFACE_ASSIGN_OR_RETURN(made.Samples, volume.Find(taken.scalar));
+  SurfaceRequest& request = made.Surfaces;
+  if (taken.isovalue_count == 0 || !taken.isovalues)
+  {
+    return Status(StatusCode::InvalidArgument, "there is no isovalue");
+  }
+  request.Isovalues.assign(taken.isovalues, taken.isovalues + taken.isovalue_count);
+  request.Attributes.assign(taken.attributes, taken.attributes + taken.attribute_count);
+  for (const std::size_t array : request.Attributes)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(volume.Check(array, 0, 0));
+    made.Names.emplace_back(volume.Arrays[array].name);
+  }
+  if (taken.region)
+  {
+    request.Bounds.emplace();
+    std::copy(taken.region, taken.region + request.Bounds->size(), request.Bounds->begin());
+  }
+  request.Normals = taken.normals != 0;
+  request.GlobalIds = taken.global_ids != 0;
+  request.Precision = taken.points == SI_FLOAT32 ? PointPrecision::Single
+    : taken.points == SI_FLOAT64                 ? PointPrecision::Double
+                                                 : PointPrecision::Default;
+  if (taken.closed != 0)
+  {
+    request.ClosedSides = GridSides::All();
+    request.ClosedSides.AreBeyondInside = taken.closed < 0;
+  }
+  request.DropDegenerateTriangles = taken.closed != 0 || taken.drop_degenerate_triangles != 0;
+  if (taken.minimum_island > 0 || taken.maximum_islands > 0)
+  {
+    request.Islands.emplace();
+    request.Islands->Size = taken.island_size == SI_BY_AREA ? IslandSize::Area
+      : taken.island_size == SI_BY_VOLUME                   ? IslandSize::Volume
+                                                            : IslandSize::Triangles;
+    request.Islands->MinimumSize = taken.minimum_island;
+    request.Islands->MaximumIslands = taken.maximum_islands;
+  }
+  request.Budget = { taken.maximum_seconds, taken.maximum_triangles };
+  request.Threads = threads;
+  request.Ranks = &call.GetRanks();
+  return made;
+}
+
+/// Takes the request, agrees with the other ranks that it makes sense, and runs the work.
+template <typename Work>
+si_status RunRequest(
+  si_volume* volume, const si_surface_request* request, const si_run* run, const Work& work)
+{
+  return RunOn(volume, run,
+    [&](Call& call) -> Status
+    {
+      const int threads = call.ShareThreads();
+      const auto taken = TakeRequest(*volume, request, threads, call);
+      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(taken.GetStatus()));
+      return work(call, *taken);
+    });
+}
+
+} // namespace
+} // namespace isosurface
+
+struct si_surface_file
+{
+  explicit si_surface_file(std::shared_ptr<SurfaceFile> opened)
+    : File(std::move(opened))
+    , Attributes(this->File->GetAttributes())
+  {
+    const EdgeIndexHeader& header = this->File->GetHeader();
+    for (const std::string& name : this->Attributes)
+    {
+      this->Names.push_back(name.c_str());
+    }
+    this->Info.size = sizeof(this->Info);
+    this->Info.isovalue_count = header.Isovalues.size();
+    this->Info.isovalues = header.Isovalues.data();
+    this->Info.array = header.Array.c_str();
+    this->Info.source = header.Source.c_str();
+    this->Info.time = header.Time.value_or(std::numeric_limits<double>::quiet_NaN());
+    this->Info.length_unit = GetLengthUnitName(header.Geometry.Unit);
+    this->Info.attribute_count = this->Names.size();
+    this->Info.attributes = this->Names.data();
+    this->Info.has_preview = header.PreviewLevel > 0 ? 1 : 0;
+    this->Info.missing = this->File->GetMissing().c_str();
+  }
+  si_surface_file(const si_surface_file&) = delete;
+  si_surface_file& operator=(const si_surface_file&) = delete;
+
+  const std::shared_ptr<SurfaceFile> File;
+  const std::vector<std::string> Attributes;
+  std::vector<const char*> Names;
+  si_surface_file_info Info{};
+};
+
+si_status si_volume_estimate(
+  si_volume* volume, const si_surface_request* request, const si_run* run, double* triangles)
+{
+  return RunRequest(volume, request, run,
+    [&](Call& call, const TakenRequest& taken) -> Status
+    {
+      ISOSURFACE_ASSIGN_OR_RETURN(*triangles,
+        EstimateTriangles(*volume->File, taken.Samples, taken.Surfaces, call.GetProgress()));
+      return Status::Ok();
+    });
+}
+
+si_status si_volume_find_blocks(
+  si_volume* volume, const si_surface_request* request, const si_run* run, si_boxes** boxes)
+{
+  return RunRequest(volume, request, run,
+    [&](Call& call, const TakenRequest& taken) -> Status
+    {
+      std::string warning;
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto found,
+        FindActiveBlocks(
+          *volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning));
+      call.Warn(warning);
+      return Give(std::make_unique<OwnedBoxes>(found), boxes);
+    });
+}
+
+void si_boxes_free(si_boxes* boxes)
+{
+  delete static_cast<OwnedBoxes*>(boxes);
+}
+
+si_status si_volume_extract(
+  si_volume* volume, const si_surface_request* request, const si_run* run, si_surface** surface)
+{
+  return RunRequest(volume, request, run,
+    [&](Call& call, const TakenRequest& taken) -> Status
+    {
+      std::string warning;
+      int level = 0;
+      ISOSURFACE_ASSIGN_OR_RETURN(auto made,
+        ExtractSurface(
+          *volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning, &level));
+      call.Warn(warning);
+      return Give(std::make_unique<OwnedSurface>(std::move(made), taken.Surfaces.Normals,
+                    taken.Surfaces.GlobalIds, taken.Names, level),
+        surface);
+    });
+}
+
+void si_surface_free(si_surface* surface)
+{
+  delete static_cast<OwnedSurface*>(surface);
+}
+
+si_status si_volume_write_surface(si_volume* volume, const si_surface_request* request,
+  const char* path, const si_coding* coding, const si_run* run)
+{
+  return RunRequest(volume, request, run,
+    [&](Call& call, const TakenRequest& taken) -> Status
+    {
+      const auto given = TakeStructure(coding, "si_coding");
+      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(given.GetStatus()));
+      const auto orUsual = [](double number, double usual) { return number > 0 ? number : usual; };
+      const bool isMode =
+        given->mode == SI_LOSSLESS || given->mode == SI_BOUNDED || given->mode == SI_SMALLEST;
+      if (!isMode)
+      {
+        return { StatusCode::InvalidArgument, "si_coding: there is no such mode" };
+      }
+      EdgeIndexHeader header;
+      header.Settings.Mode = static_cast<EdgeIndexMode>(given->mode);
+      header.Settings.MaximumError = orUsual(given->maximum_error, header.Settings.MaximumError);
+      header.PreviewLevel = given->preview_level;
+      EdgeIndexWriteJob::Settings settings;
+      settings.Threads = taken.Surfaces.Threads;
+      settings.Warn = [&call](const std::string& warning) { call.Warn(warning); };
+      constexpr double usualNormalError = 0.005;
+      return WriteSurface(*volume->File, taken.Samples, taken.Surfaces, ToText(path), header,
+        given->array_error, orUsual(given->normal_error, usualNormalError), settings,
+        call.GetProgress());
+    });
+}
+
+si_status si_surface_file_open(const char* path, const si_run* run, si_surface_file** file)
+{
+  return RunCall(ToText(path), run,
+    [&](Call&) -> Status
+    {
+      ISOSURFACE_ASSIGN_OR_RETURN(auto opened, SurfaceFile::Open(ToText(path)));
+      return Give(std::make_unique<si_surface_file>(std::move(opened)), file);
+    });
+}
+
+void si_surface_file_close(si_surface_file* file)
+{
+  delete file;
+}
+
+const si_surface_file_info* si_surface_file_describe(const si_surface_file* file)
+{
+  return &file->Info;
+}
+
+si_status si_surface_file_read(si_surface_file* file, size_t isovalue_count,
+  const size_t* isovalues, int preview, int normals, const si_run* run, si_surface** surface)
+{
+  return RunCall(file->File->GetPath(), run,
+    [&](Call& call) -> Status
+    {
+      const std::vector<std::size_t> numbers(isovalues, isovalues + isovalue_count);
+      const bool areThere = std::all_of(numbers.begin(), numbers.end(),
+        [file](std::size_t number) { return number < file->Info.isovalue_count; });
+      if (!areThere || (preview != 0 && file->Info.has_preview == 0))
+      {
+        return { StatusCode::InvalidArgument, file->File->GetPath() + ": has no such surface" };
+      }
+      ISOSURFACE_ASSIGN_OR_RETURN(auto made,
+        file->File->Read(
+          numbers, preview != 0, normals != 0, call.CountThreads(), call.GetProgress()));
+      return Give(std::make_unique<OwnedSurface>(std::move(made), normals != 0, false,
+                    preview != 0 ? std::vector<std::string>() : file->Attributes, 0),
+        surface);
+    });
+}
