@@ -101,15 +101,8 @@ Result<LevelDescription> TakeGrid(const si_grid* given)
     return Status(StatusCode::InvalidArgument,
       "length_unit: " + unit + " is no unit of length, as m, mm, um, nm or inch");
   }
-  const auto isZero = [](double number) { return number == 0; };
-  if (!std::all_of(std::begin(taken.direction), std::end(taken.direction), isZero))
-  {
-    std::copy(std::begin(taken.direction), std::end(taken.direction), grid.Direction.begin());
-  }
-  if (!std::all_of(std::begin(taken.spacing), std::end(taken.spacing), isZero))
-  {
-    std::copy(std::begin(taken.spacing), std::end(taken.spacing), grid.Spacing.begin());
-  }
+  std::copy(std::begin(taken.direction), std::end(taken.direction), grid.Direction.begin());
+  std::copy(std::begin(taken.spacing), std::end(taken.spacing), grid.Spacing.begin());
   std::copy(std::begin(taken.origin), std::end(taken.origin), grid.Origin.begin());
   std::copy(std::begin(taken.chunk), std::end(taken.chunk), made.Chunk.begin());
   const bool isLined = taken.lines[0] && taken.lines[1] && taken.lines[2];

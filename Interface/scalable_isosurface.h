@@ -220,8 +220,8 @@ extern "C"
   /* Lives until the volume is closed. */
   SI_API const si_volume_info* si_volume_describe(const si_volume* volume);
 
-  /* Where samples lie: vertex (i, j, k) at origin + direction * (spacing * (i, j, k)), or on lines. To be written, a
-   * spacing or a direction of nothing but 0 is 1, 1, 1 and the identity. */
+  /* Where samples lie: vertex (i, j, k) at origin + direction * (spacing * (i, j, k)), or on lines. A volume that
+   * is written needs all but lines, unit and chunk. */
   typedef struct si_grid
   {
     size_t size;

@@ -75,8 +75,8 @@ static void write_and_describe(void)
   const si_array arrays[] = { { "ct", SI_INT16, 1, "HU" }, { "place", SI_FLOAT32, 2, NULL } };
   const double times[] = { 0.5, 2 };
   int context = 4711;
-  si_grid grid = { sizeof(grid), { NX, NY, NZ }, { 0.5, 1, 2 }, { 10, 20, 30 }, { 0 }, { NULL },
-    "mm", { 0 } };
+  si_grid grid = { sizeof(grid), { NX, NY, NZ }, { 0.5, 1, 2 }, { 10, 20, 30 },
+    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, "mm", { 0 } };
   si_settings settings = { .size = sizeof(settings) };
   settings.block_size = 16;
   OK(si_write_volume(path, &grid, 2, arrays, 2, times, read_box, &context, &settings, NULL));
@@ -271,8 +271,8 @@ static void stops_and_refuses(void)
 {
   int calls = 0;
   const si_array array = { "a", SI_UINT8, 1, NULL };
-  si_grid grid = { .size = sizeof(grid) };
-  grid.dimensions[0] = grid.dimensions[1] = grid.dimensions[2] = 600;
+  const si_grid grid = { sizeof(grid), { 600, 600, 600 }, { 1, 1, 1 }, { 0 },
+    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, NULL, { 0 } };
   si_run run = { .size = sizeof(run) };
   run.progress = stop;
   run.context = &calls;
@@ -434,8 +434,8 @@ static void meet_first(void)
 static void* read_for_long(void* context)
 {
   const si_array array = { "a", SI_UINT8, 1, NULL };
-  si_grid grid = { .size = sizeof(grid) };
-  grid.dimensions[0] = grid.dimensions[1] = grid.dimensions[2] = 64;
+  const si_grid grid = { sizeof(grid), { 64, 64, 64 }, { 1, 1, 1 }, { 0 },
+    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, NULL, { 0 } };
   si_write_volume(other, &grid, 1, &array, 1, NULL, read_slowly, context, NULL, NULL);
   return NULL;
 }
