@@ -103,8 +103,8 @@ public:
    * For windows, which must answer meanwhile. An execution over images of more samples than
    * CountBeside() says begins to count beside the calling thread, and gives an empty table. Then
    * AdvanceCounting() waits at most `milliseconds`; several ranks count only while all are in it.
-   * Refinement has what the last call found, the values of an isosurface::Refinement. When
-   * its stage is Ready, TakeCounting() lets the next execution give the table. None of these is a
+   * Refinement has the values of Ranks/Query/Refinement.h, as the last call found them. When its
+   * stage is Ready, TakeCounting() lets the next execution give the table. None of these is a
    * property; all ranks must call them. Default: everything is counted at once.
    */
   void CountBeside(int samplesAtOnce);

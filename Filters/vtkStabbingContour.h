@@ -210,7 +210,7 @@ public:
    * surface, the execution after Refine takes it instead of extracting. A change drops it, at the
    * latest when the filter executes; DropRefinement at once. All ranks call it together.
    *
-   * Refinement has what the last call found, the values of an isosurface::Refinement. Of a sample its
+   * Refinement has the values of Ranks/Query/Refinement.h, as the last call found them. Of a sample the
    * share is how much of the file is shown exactly.
    *
    * AcceptSize allows surfaces that do not fit, until the next change. RefinementMemory: MiB that a

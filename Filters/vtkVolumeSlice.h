@@ -104,8 +104,9 @@ public:
   /**
    * For a window, as of vtkStabbingContour: while coarse images are allowed, a large image of
    * something new is coarse, and not final. PrepareRefinement then reads the exact one beside the
-   * calling thread, and waits for it, but not longer than this. Refinement has what the last call
-   * found, the values of an isosurface::Refinement. The execution after Refine gives the exact image. All ranks call these
+   * calling thread, and waits for it, but not longer than this. Refinement has the values of
+   * Ranks/Query/Refinement.h, as the last call found them. The execution after Refine gives the exact
+   * image. All ranks call these
    * together. DropRefinement stops the reading.
    */
   void AllowCoarse(vtkTypeBool allowed);

@@ -142,7 +142,7 @@ public:
    * index is written only while all ranks are in AdvanceIndex, which they call together. An
    * execution that may not be coarse waits for the index.
    *
-   * Refinement has the values of an isosurface::Refinement: the stage that the last call found, the share
+   * Refinement has the values of Ranks/Query/Refinement.h: the stage that the last call found, the share
    * of the index that is written, and the seconds that it still takes.
    */
   void AdvanceIndex(int milliseconds);
