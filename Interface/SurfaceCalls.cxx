@@ -98,7 +98,7 @@ struct TakenRequest
 };
 
 Result<TakenRequest> TakeRequest(
-  const si_volume& volume, const si_surface_request* given, int threads, Call& call)
+  const si_volume& volume, const si_surface_request* given, Call& call)
 {
   ISOSURFACE_ASSIGN_OR_RETURN(const auto taken, TakeStructure(given, "si_surface_request"));
   TakenRequest made;
@@ -141,7 +141,6 @@ Result<TakenRequest> TakeRequest(
     request.Islands->MaximumIslands = taken.maximum_islands;
   }
   request.Budget = { taken.maximum_seconds, taken.maximum_triangles };
-  request.Threads = threads;
   request.Ranks = &call.GetRanks();
   return made;
 }
@@ -154,8 +153,7 @@ si_status RunRequest(
   return RunOn(volume, run,
     [&](Call& call) -> Status
     {
-      const int threads = call.ShareThreads();
-      const auto taken = TakeRequest(*volume, request, threads, call);
+      auto taken = TakeRequest(*volume, request, call);
       ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(taken.GetStatus()));
       return work(call, *taken);
     });
@@ -232,10 +230,11 @@ si_status si_volume_extract(
   si_volume* volume, const si_surface_request* request, const si_run* run, si_surface** surface)
 {
   return RunRequest(volume, request, run,
-    [&](Call& call, const TakenRequest& taken) -> Status
+    [&](Call& call, TakenRequest& taken) -> Status
     {
       std::string warning;
       int level = 0;
+      taken.Surfaces.Threads = call.ShareThreads();
       ISOSURFACE_ASSIGN_OR_RETURN(auto made,
         ExtractSurface(
           *volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning, &level));
@@ -271,7 +270,7 @@ si_status si_volume_write_surface(si_volume* volume, const si_surface_request* r
       header.Settings.MaximumError = orUsual(given->maximum_error, header.Settings.MaximumError);
       header.PreviewLevel = given->preview_level;
       EdgeIndexWriteJob::Settings settings;
-      settings.Threads = taken.Surfaces.Threads;
+      settings.Threads = call.ShareThreads();
       settings.Warn = [&call](const std::string& warning) { call.Warn(warning); };
       constexpr double usualNormalError = 0.005;
       return WriteSurface(*volume->File, taken.Samples, taken.Surfaces, ToText(path), header,

@@ -7,7 +7,7 @@ import os
 import warnings
 from typing import Any, Optional, Tuple
 
-from . import _core
+from . import _library
 from ._arguments import take_threads
 from ._surface import Surface
 from ._volume import list_isovalues
@@ -48,7 +48,7 @@ class EdgeIndex:
 
     def __init__(self, path: str, threads: Optional[int] = None) -> None:
         self._threads = threads
-        self._file = _core.open_surface(os.fsencode(path))
+        self._file = _library.open_surface(os.fsencode(path))
         if self._file.missing:
             warnings.warn(self._file.missing, stacklevel=3)
         self.path: str = path

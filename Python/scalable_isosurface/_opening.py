@@ -7,7 +7,7 @@ import os
 import warnings
 from typing import Optional, Union
 
-from . import _core
+from . import _library
 from ._arguments import take_path, take_text, take_threads
 from ._edge_index import EdgeIndex
 from ._volume import name_file, open_volume, Volume
@@ -71,7 +71,7 @@ def open(
     -0.009
     """
     name = take_path("path", path)
-    if _core.find_kind(os.fsencode(name)) == "edge index":
+    if _library.find_kind(os.fsencode(name)) == "edge index":
         return EdgeIndex(name, threads)  # type: ignore[return-value] # as before there was open_surface
     volume = open_volume(name, step, axes, take_path("index_folder", index_folder), threads)
     tell_left_out(name, volume._opened.file.left_out)
@@ -141,7 +141,7 @@ def index(
     name = take_path("path", path)
     folder = take_path("index_folder", index_folder)
     file = name_file(name)
-    _core.find_kind(file)  # says so if there is no such file
-    left_out = _core.write_index(file, take_text("axes", axes), os.fsencode(folder), MEMORY, take_threads(threads))
+    _library.find_kind(file)  # says so if there is no such file
+    left_out = _library.write_index(file, take_text("axes", axes), os.fsencode(folder), MEMORY, take_threads(threads))
     tell_left_out(name, left_out)
     return open_volume(name, 0, axes, folder, threads)

@@ -9,7 +9,7 @@ from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
 
 import numpy
 
-from . import _core
+from . import _library
 from ._arguments import take_integer, take_number, take_numbers, take_text, take_threads
 from ._indexing import AxisRange, parse_key
 from ._surface import Surface
@@ -36,17 +36,16 @@ class Spectrum(NamedTuple):
         return f"<Spectrum of {len(self.isovalues)} isovalues from {first:.6g} to {last:.6g}: {', '.join(known)}>"
 
 
-def _find_precision(dtype: Any) -> int:
-    """The number of the precision of points in C++."""
+def _find_type(dtype: Any) -> int:
+    """The number of a type of points in C."""
     if dtype is None:
         return 0
-    names = ("float32", "float64")
-    if numpy.dtype(dtype).name not in names:
+    if numpy.dtype(dtype).name not in ("float32", "float64"):
         raise ValueError(f"dtype of points is float32 or float64, and not {dtype!r}")
-    return 1 + names.index(numpy.dtype(dtype).name)
+    return _library.VALUE_TYPES.index(numpy.dtype(dtype).name)
 
 
-#: By what islands are large or small, in the order of C++.
+#: By what islands are large or small, in the order of C.
 _ISLAND_SIZES = ("triangles", "area", "volume")
 
 
@@ -58,14 +57,14 @@ def _take_name(name: str, value: Any, names: Sequence[str]) -> int:
 
 
 def name_file(path: str) -> bytes:
-    """The name in C++. What a file of NumPy (.npy) has is told as that of raw samples."""
+    """The name in C. What a file of NumPy (.npy) has is told as that of raw samples."""
     if not path.endswith(".npy") or not os.path.isfile(path):
         return os.fsencode(path)
     try:
         array = numpy.lib.format.open_memmap(path, mode="r")
     except ValueError as error:
         raise OSError(f"{path}: cannot be read: {error}") from None
-    if array.ndim != 3 or not array.flags.c_contiguous or array.dtype.name not in _core.VALUE_TYPES:
+    if array.ndim != 3 or not array.flags.c_contiguous or array.dtype.name not in _library.VALUE_TYPES:
         raise OSError(
             f"{path}: cannot be read: it has the shape {array.shape} and the type {array.dtype}; "
             "create(numpy.load(path, mmap_mode='r'), 'NAME.bvol', axes=...) makes a volume of other arrays "
@@ -84,13 +83,13 @@ class _Opened:
         self.path = path
         self.threads = take_threads(threads)
         name = self.name = name_file(path)
-        self.is_stored = _core.find_kind(name) == "blocked volume"
-        self._file: Optional[_core.VolumeFile] = _core.open_volume(
+        self.is_stored = _library.find_kind(name) == "blocked volume"
+        self._file: Optional[_library.VolumeFile] = _library.open_volume(
             name, take_text("axes", axes), os.fsencode(index_folder), self.threads
         )
 
     @property
-    def file(self) -> _core.VolumeFile:
+    def file(self) -> _library.VolumeFile:
         if self._file is None:
             raise ValueError(f"{self.path}: the volume is closed")
         return self._file
@@ -261,7 +260,7 @@ class Volume:
         """
         if self._opened.is_stored:
             return {}
-        attributes: Dict[str, Any] = json.loads(_core.read_attributes(self._opened.name, self._opened.how[1]) or "{}")
+        attributes: Dict[str, Any] = json.loads(_library.read_attributes(self._opened.name, self._opened.how[1]) or "{}")
         return attributes
 
     @property
@@ -270,7 +269,7 @@ class Volume:
         OME-Zarr these are the levels of its own pyramid. They are no `levels` here, since their samples are
         averages, and a level has every second sample of the one before.
         """
-        return () if self._opened.is_stored else tuple(_core.list_datasets(self._opened.name))
+        return () if self._opened.is_stored else tuple(_library.list_datasets(self._opened.name))
 
     def array(self, name: str) -> Volume:
         """Another array of the file; also ``volume[name]``.
@@ -347,14 +346,14 @@ class Volume:
         x_y_z = axes[2::-1]
         self._opened.file.read(
             samples,
-            self._array,
             components,
-            self._step,
-            self._level,
-            [axis.low for axis in x_y_z],
-            [axis.high for axis in x_y_z],
-            [axis.step for axis in x_y_z],
             self._opened.threads,
+            array=self._array,
+            step=self._step,
+            level=self._level,
+            low=tuple(axis.low for axis in x_y_z),
+            high=tuple(axis.high for axis in x_y_z),
+            stride=tuple(axis.step for axis in x_y_z),
         )
         return samples
 
@@ -457,18 +456,18 @@ class Volume:
         size = _take_name("island_size", island_size, _ISLAND_SIZES)
         return Surface(
             **file.isosurface(
-                self._array,
-                self._find_component(component),
-                self._step,
-                self._level if level is None else self._find_level(level),
-                list_isovalues(isovalue),
-                _check_region(region),
-                bool(normals),
-                [self._find_array(name) for name in attributes],
-                _find_precision(dtype),
-                (bool(close_boundary), below, bool(drop_degenerate_triangles)),
-                (size, least, most) if least > 0 or most > 0 else None,
                 self._opened.threads,
+                scalar=self._find_scalar(component, level),
+                isovalues=list_isovalues(isovalue),
+                region=_check_region(region),
+                normals=bool(normals),
+                attributes=[self._find_array(name) for name in attributes],
+                points=_find_type(dtype),
+                closed=(-1 if below else 1) if close_boundary else 0,
+                drop_degenerate_triangles=bool(drop_degenerate_triangles),
+                island_size=size,
+                minimum_island=least,
+                maximum_islands=most,
             )
         )
 
@@ -497,12 +496,7 @@ class Volume:
                 [32, 40]]])
         """
         return self._opened.file.active_blocks(
-            self._array,
-            self._find_component(component),
-            self._step,
-            self._level,
-            list_isovalues(isovalue),
-            _check_region(region),
+            scalar=self._find_scalar(component), isovalues=list_isovalues(isovalue), region=_check_region(region)
         )
 
     def spectrum(self, component: Optional[int] = None) -> Spectrum:
@@ -519,12 +513,15 @@ class Volume:
         >>> bool(spectrum.isovalues[0] < isovalue < spectrum.isovalues[-1])
         True
         """
-        number = self._find_component(component)
-        return Spectrum(**self._opened.file.spectrum(self._array, number, self._step, self._level))
+        return Spectrum(**self._opened.file.spectrum(self._find_scalar(component)))
+
+    def _find_scalar(self, component: Optional[int], level: Optional[int] = None) -> Tuple[int, int, int, int]:
+        number = self._level if level is None else self._find_level(level)
+        return self._array, self._find_component(component), self._step, number
 
     def _find_component(self, component: Optional[int]) -> int:
         if component is None:
-            return 0 if self._components == 1 else _core.MAGNITUDE
+            return 0 if self._components == 1 else _library.MAGNITUDE
         try:
             return range(self._components)[take_integer("component", component)]
         except IndexError:

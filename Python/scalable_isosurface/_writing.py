@@ -6,11 +6,11 @@ from __future__ import annotations
 import copy
 import errno
 import os
-from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy
 
-from . import _core
+from . import _library
 from ._arguments import take_integer, take_number, take_numbers, take_path, take_text, take_threads
 from ._opening import MEMORY, tell_left_out
 from ._volume import Volume, open_volume
@@ -22,7 +22,7 @@ class _Settings(NamedTuple):
     block_size: int
     stores: int
     replicas: int
-    codec: str
+    codec: bytes
     codec_level: int
     memory: int
     threads: int
@@ -36,7 +36,7 @@ class _Place(NamedTuple):
     direction: Any
     length_unit: Optional[str]
 
-    def make_writing(self, path: str, description: Sequence[Any]) -> _core.VolumeWriting:
+    def make_writing(self, path: str, description: Sequence[Any], settings: Dict[str, Any]) -> _library.VolumeWriting:
         """`description`: of the source, as that of a VolumeFile."""
         dimensions, spacing, origin, direction, lines, _, unit = description
         if self.spacing is not None:
@@ -49,7 +49,16 @@ class _Place(NamedTuple):
             direction = take_numbers("direction", self.direction, (3, 3), "3 x 3 numbers").ravel().tolist()
         if self.length_unit is not None:
             unit = take_text("length_unit", self.length_unit)
-        return _core.VolumeWriting(os.fsencode(path), dimensions, spacing, origin, direction, lines, unit)
+        return _library.VolumeWriting(
+            os.fsencode(path),
+            lines,
+            settings,
+            dimensions=tuple(dimensions),
+            spacing=tuple(spacing),
+            origin=tuple(origin),
+            direction=tuple(direction),
+            length_unit=_library.encode(unit),
+        )
 
 
 def create(
@@ -154,7 +163,7 @@ def create(
         take_integer("block_size", block_size),
         take_integer("stores", stores, 1),
         take_integer("replicas", replicas, 1),
-        codec,
+        _library.encode(codec),
         int(codec_level or 0),
         take_integer("memory", memory, 1),
         take_threads(threads),
@@ -181,8 +190,7 @@ def _write_file(
         if time is not None and volume.steps > 1:
             raise ValueError(f"time: {volume.path} has {volume.steps} time steps")
         _check_output(path, volume, volume.steps == 1, "several time steps")
-        writing = place.make_writing(path, file.describe(0))
-        writing.set(**settings._asdict(), time=time, append=append)
+        writing = place.make_writing(path, file.describe(0), {**settings._asdict(), "append": append})
         writing.write_file(file, volume.times if time is None else [time])
 
 
@@ -224,8 +232,7 @@ def _write_arrays(
         times = [float(step) for step in range(first.steps)]
     if len(times) != first.steps:
         raise ValueError(f"time: there are {first.steps} time steps, and {len(times)} times")
-    writing = place.make_writing(path, description)
-    writing.set(**settings._asdict(), time=None, append=append)
+    writing = place.make_writing(path, description, {**settings._asdict(), "append": append})
     steps = [
         [(array.name, array.at(step), array.kind, array.components, array.unit) for array in arrays]
         for step in range(first.steps)
@@ -277,8 +284,8 @@ class _Samples:
         except TypeError:
             raise TypeError(f"{name!r} has samples of {source.dtype}; give an array of NumPy") from None
         self.kind = _WIDENED.get(self._dtype.name, self._dtype.name)
-        if self.kind not in _core.VALUE_TYPES:
-            raise TypeError(f"{name!r} has the type {self.kind}; samples are of {', '.join(_core.VALUE_TYPES)}")
+        if self.kind not in _library.VALUE_TYPES:
+            raise TypeError(f"{name!r} has the type {self.kind}; samples are of {', '.join(_library.VALUE_TYPES)}")
         sizes = dict(zip(self.axes, shape))
         self.source = source
         self.name = name

@@ -16,7 +16,7 @@ NAMES = (
     ("Core/Storage/Record/BlockCompression.cxx", r'return \{ "(\w+)"', (
         "Documentation/formats/block-compression.md", "Documentation/formats/blocked-volume.md",
         "Documentation/reference/writing.md", "Packaging/completion.bash", "Plugin/XML/BlockedVolumeWriter.xml",
-        "Python/Binding/BindingModule.cxx", "Python/scalable_isosurface/_writing.py",
+        "Interface/WriteCalls.cxx", "Python/scalable_isosurface/_writing.py",
         "Testing/Readers/read_blocked_volume.py", "Tools/BlockVolumeOptions.cxx",
         "Writers/vtkBlockedVolumeWriter.h")),
     ("Core/Storage/Record/BlockCompression.cxx", r'return \{ "(?!none)(\w+)"', (
@@ -34,7 +34,7 @@ NAMES = (
     ("Formats/Opener/VolumeFormat.cxx", r'"\.([\w.]+)"', ("Plugin/XML/InPlaceVolumeReader.xml",)),
     ("Core/Storage/Spectrum/WorkloadSpectrum.h", r"^  Counts (\w+);", (
         "Filters/SpectrumTable.cxx", "Filters/vtkContourSpectrum.h", "Plugin/Gui/SpectrumCurve.h",
-        "Python/Binding/BindingModule.cxx", "Testing/Readers/read_blocked_volume.py",
+        "Interface/VolumeCalls.cxx", "Testing/Readers/read_blocked_volume.py",
         "Tools/PrintedSpectrum.cxx")),
     ("Tools/BlockVolumeOptions.cxx", r'add_(?:option|flag)\(\s*"(--[\w-]+)"', (
         "Documentation/reference/command-line.md",)),

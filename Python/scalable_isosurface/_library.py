@@ -1,0 +1,520 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The library of C, as the modules of this package use it. scalable_isosurface.h says what its functions do.
+
+Vertices and sizes are x, y, z here; the modules turn them into NumPy's order."""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import math
+import os
+import warnings
+from ctypes import byref, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p, POINTER
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+
+import numpy
+
+from . import _LIBRARY
+
+#: As a component: that of several.
+MAGNITUDE = -1
+
+
+def _structure(name: str, *fields: Tuple[str, Any]) -> Any:
+    return type(name, (ctypes.Structure,), {"_fields_": fields})
+
+
+def _sized(name: str, *fields: Tuple[str, Any]) -> Tuple[Callable[..., Any], Any]:
+    """A function that makes a structure which begins with its size, and the type of it."""
+    sized = _structure(name, ("size", c_size_t), *fields)
+
+    def make(**values: Any) -> Any:
+        made = sized(ctypes.sizeof(sized), **values)
+        for member, value in values.items():
+            if isinstance(value, int) and getattr(made, member) != value:  # ctypes leaves bits out
+                raise ValueError(f"{member} is too large: {value}")
+        return made
+
+    return make, sized
+
+
+_three_integers, _three_numbers = c_int64 * 3, c_double * 3
+_Array = _structure("si_array", ("name", c_char_p), ("type", c_int32), ("components", c_int32), ("unit", c_char_p))
+_Scalar = _structure(
+    "si_scalar", ("array", c_size_t), ("component", c_int32), ("step", c_size_t), ("level", c_size_t)
+)
+_Values = _structure(
+    "si_values", ("name", c_char_p), ("type", c_int32), ("components", c_int32), ("values", c_void_p)
+)
+_Progress = ctypes.CFUNCTYPE(ctypes.c_int, c_double)  # the context behind it is not needed
+_Warn = ctypes.CFUNCTYPE(ctypes.c_int, c_char_p)
+_make_run, _Run = _sized(
+    "si_run",
+    ("threads", c_int32), ("progress", _Progress), ("warn", _Warn), ("context", c_void_p), ("ranks", c_void_p),
+)  # fmt: skip
+_, _Texts = _sized("si_texts", ("count", c_size_t), ("texts", POINTER(c_char_p)))
+_make_opening, _ = _sized(
+    "si_opening",
+    ("axes", c_char_p), ("index_folder", c_char_p), ("spacing", c_void_p), ("origin", c_void_p),
+    ("length_unit", c_char_p),
+)  # fmt: skip
+_, _VolumeInfo = _sized(
+    "si_volume_info",
+    ("path", c_char_p), ("array_count", c_size_t), ("arrays", POINTER(_Array)), ("step_count", c_size_t),
+    ("times", POINTER(c_double)), ("level_count", c_size_t), ("left_out", c_char_p),
+)  # fmt: skip
+_make_grid, _Grid = _sized(
+    "si_grid",
+    ("dimensions", _three_integers), ("spacing", _three_numbers), ("origin", _three_numbers),
+    ("direction", c_double * 9), ("lines", POINTER(c_double) * 3), ("length_unit", c_char_p),
+    ("chunk", _three_integers),
+)  # fmt: skip
+_make_box, _ = _sized(
+    "si_box",
+    ("array", c_size_t), ("step", c_size_t), ("level", c_size_t), ("low", _three_integers),
+    ("high", _three_integers), ("stride", _three_integers), ("component_count", c_size_t),
+    ("components", POINTER(c_int32)),
+)  # fmt: skip
+_QUANTITIES = ("triangles", "cells", "blocks", "bytes", "area", "volume")
+_, _Spectrum = _sized(
+    "si_spectrum", ("count", c_size_t), ("isovalues", c_void_p), *((name, c_void_p) for name in _QUANTITIES)
+)
+_make_request, _ = _sized(
+    "si_surface_request",
+    ("scalar", _Scalar), ("isovalue_count", c_size_t), ("isovalues", POINTER(c_double)),
+    ("region", POINTER(c_double)), ("attribute_count", c_size_t), ("attributes", POINTER(c_size_t)),
+    ("normals", c_int32), ("global_ids", c_int32), ("points", c_int32), ("closed", c_int32),
+    ("drop_degenerate_triangles", c_int32), ("island_size", c_int32), ("minimum_island", c_double),
+    ("maximum_islands", c_uint64), ("maximum_triangles", c_uint64), ("maximum_seconds", c_double),
+)  # fmt: skip
+_, _Boxes = _sized("si_boxes", ("count", c_size_t), ("boxes", c_void_p))
+_, _Surface = _sized(
+    "si_surface",
+    ("point_count", c_size_t), ("triangle_count", c_size_t), ("point_type", c_int32), ("corner_type", c_int32),
+    ("points", c_void_p), ("corners", c_void_p), ("normals", c_void_p), ("global_ids", c_void_p),
+    ("part_count", c_size_t), ("isovalues", c_void_p), ("first_points", c_void_p), ("first_triangles", c_void_p),
+    ("attribute_count", c_size_t), ("attributes", POINTER(_Values)), ("level", c_size_t),
+)  # fmt: skip
+_, _SurfaceInfo = _sized(
+    "si_surface_file_info",
+    ("isovalue_count", c_size_t), ("isovalues", POINTER(c_double)), ("array", c_char_p), ("source", c_char_p),
+    ("time", c_double), ("length_unit", c_char_p), ("attribute_count", c_size_t), ("attributes", POINTER(c_char_p)),
+    ("has_preview", c_int32), ("missing", c_char_p),
+)  # fmt: skip
+_make_settings, _ = _sized(
+    "si_settings",
+    ("block_size", c_int32), ("codec_level", c_int32), ("codec", c_char_p), ("stores", c_uint32),
+    ("replicas", c_uint32), ("append", c_int32), ("memory", c_uint64),
+)  # fmt: skip
+_, _Reading = _sized(
+    "si_reading",
+    ("context", c_void_p), ("step", c_size_t), ("array", c_size_t), ("low", _three_integers),
+    ("high", _three_integers), ("samples", c_void_p), ("bytes", c_size_t),
+)  # fmt: skip
+_Reader = ctypes.CFUNCTYPE(ctypes.c_int, POINTER(_Reading))
+
+# What functions take: p a pointer, s a text, z a size, i an int, d a double, u an unsigned integer of 64 bits, r a
+# reader.
+_KINDS: Dict[str, Any] = {"p": c_void_p, "s": c_char_p, "z": c_size_t, "i": ctypes.c_int, "d": c_double, "u": c_uint64, "r": _Reader}
+_FUNCTIONS = {
+    "find_kind": "sp",
+    "list_datasets": "spp",
+    "read_attributes": "sspp",
+    "volume_open": "sppp",
+    "volume_read": "pppzp",
+    "volume_spectrum": "pppp",
+    "volume_find_blocks": "pppp",
+    "volume_extract": "pppp",
+    "surface_file_open": "spp",
+    "surface_file_read": "pzpiipp",
+    "write_volume": "spzpzprppp",
+    "volume_write": "pspppp",
+    "write_index": "spup",
+}
+# What gives a structure, or NULL; what takes one back.
+_GIVERS: Dict[str, Tuple[str, Any]] = {
+    "volume_describe": ("p", POINTER(_VolumeInfo)),
+    "volume_grid": ("pz", POINTER(_Grid)),
+    "surface_file_describe": ("p", POINTER(_SurfaceInfo)),
+    "error": ("", c_char_p),
+    "type_name": ("i", c_char_p),
+    **{
+        name: ("p", None)
+        for name in (
+            "texts_free", "volume_close", "spectrum_free", "boxes_free", "surface_free", "surface_file_close"
+        )
+    },
+}  # fmt: skip
+
+
+def encode(text: str) -> bytes:
+    if "\0" in text:
+        raise ValueError(f"a text has no character of code 0: {text!r}")
+    return text.encode()
+
+
+def _text(given: bytes) -> str:
+    """Of a name that is not UTF-8, the other bytes are told by their numbers."""
+    return given.decode("utf-8", "backslashreplace")
+
+
+def _check(status: int, *_: Any) -> int:
+    """Raises what Python calls an error of the library."""
+    if status == 0:
+        return 0
+    message = _text(_error())
+    if status == 1:
+        raise ValueError(message)
+    if status in (2, 4):
+        raise OSError(errno.ENOENT if status == 2 else errno.ENOSPC, message)
+    raise {7: MemoryError, 100: RuntimeError}.get(status, OSError)(message)
+
+
+def _load() -> Any:
+    """The functions of the library, without si_."""
+    folder = os.path.dirname(os.path.abspath(__file__))
+    beside = os.path.join(folder, os.path.basename(_LIBRARY))
+    path = beside if os.path.exists(beside) else os.path.normpath(os.path.join(folder, _LIBRARY))
+    try:
+        return _find_functions(ctypes.CDLL(path))
+    except (OSError, AttributeError) as error:
+        raise ImportError(error if path in str(error) else f"{path}: {error}") from error
+
+
+def _find_functions(library: ctypes.CDLL) -> Any:
+    functions = type("Library", (), {})()
+    for name, (kinds, result) in {**{name: (kinds, c_int32) for name, kinds in _FUNCTIONS.items()}, **_GIVERS}.items():
+        function: Any = library[f"si_{name}"]
+        function.argtypes = [_KINDS[kind] for kind in kinds]
+        function.restype = result
+        if name in _FUNCTIONS:
+            function.errcheck = _check
+        setattr(functions, name, function)
+    return functions
+
+
+_si = _load()
+_error = _si.error
+
+#: The names of all types of samples, by their numbers.
+VALUE_TYPES: List[str] = []
+while _si.type_name(len(VALUE_TYPES)):
+    VALUE_TYPES.append(_si.type_name(len(VALUE_TYPES)).decode())
+
+
+class _Call:
+    """A call that reads or writes. It ends with what a callback has raised: a handler of a signal, a warning where
+    these are errors, or a source."""
+
+    def __init__(self, threads: int = 0, caller: int = 0, told: Optional[List[str]] = None) -> None:
+        """`caller`: how many frames above the function with this call a warning is of. `told`: takes them instead."""
+        self._raised: List[BaseException] = []
+
+        def warn(message: bytes) -> int:
+            if told is None:
+                warnings.warn(_text(message), stacklevel=3 + caller)
+            else:
+                told.append(_text(message))
+            return 0
+
+        self._run = _make_run(
+            threads=threads,
+            progress=_Progress(self.listen(lambda _: 0, 1)),
+            warn=_Warn(self.listen(warn, 1)),
+        )
+        self.run = byref(self._run)
+
+    def listen(self, step: Callable[[Any], int], failure: int) -> Callable[[Any], int]:
+        """A callback that gives `failure` once the step has raised an exception.
+
+        It is the function of a generator, which waits within its `try`: the exception of a signal is raised at the
+        entry of a function of Python, where nobody but ctypes would catch it."""
+
+        raised = self._raised  # and not this call, which has the callback
+
+        def wait() -> Iterator[Any]:
+            answer: Optional[int] = None
+            while True:
+                try:
+                    while True:
+                        answer = step((yield answer))
+                except GeneratorExit:
+                    return
+                except BaseException as error:  # pylint: disable=broad-except
+                    raised.append(error)
+                    answer = failure
+
+        waiting: Any = wait()
+        next(waiting)
+        return waiting.send  # type: ignore[no-any-return]
+
+    def __enter__(self) -> Any:
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        if self._raised:
+            raise self._raised[0] from None
+
+
+class _Owned:
+    """What the library has given, and takes back when nobody has it."""
+
+    def __init__(self, kind: Any, free: Callable[[Any], None]) -> None:
+        self.pointer: Any = POINTER(kind)() if kind else c_void_p()
+        self.place = byref(self.pointer)
+        self._free = free
+
+    def __del__(self) -> None:
+        self._free(self.pointer)
+
+
+class _Memory:
+    """An array of an owner, which NumPy keeps."""
+
+    def __init__(self, owner: _Owned, address: int, dtype: numpy.dtype, shape: Sequence[int]) -> None:
+        self.owner = owner
+        self.__array_interface__ = {"version": 3, "data": (address, False), "typestr": dtype.str, "shape": tuple(shape)}
+
+
+def _view(owner: _Owned, address: Optional[int], dtype: Any, *shape: int) -> numpy.ndarray:
+    if address is None or 0 in shape:
+        return numpy.empty(shape, dtype)
+    return numpy.asarray(_Memory(owner, address, numpy.dtype(dtype), shape))
+
+
+def _find_surface(owner: _Owned, normals: bool) -> Dict[str, Any]:
+    """What Surface is made of, by the names of its arguments."""
+    surface = owner.pointer.contents
+    points, triangles, parts = surface.point_count, surface.triangle_count, surface.part_count
+    return {
+        "points": _view(owner, surface.points, VALUE_TYPES[surface.point_type], points, 3),
+        "triangles": _view(owner, surface.corners, VALUE_TYPES[surface.corner_type], triangles, 3),
+        "normals": _view(owner, surface.normals, "float32", points, 3) if normals else None,
+        "isovalues": _view(owner, surface.isovalues, "float64", parts),
+        "point_offsets": _view(owner, surface.first_points, "int64", parts + 1),
+        "triangle_offsets": _view(owner, surface.first_triangles, "int64", parts + 1),
+        "attributes": {
+            _text(one.name): _view(
+                owner, one.values, VALUE_TYPES[one.type], points, *([one.components] if one.components > 1 else [])
+            )
+            for one in surface.attributes[: surface.attribute_count]
+        },
+    }
+
+
+def find_kind(name: bytes) -> str:
+    kind = c_int32()
+    _si.find_kind(name, byref(kind))
+    return ("blocked volume", "edge index", "source")[kind.value]
+
+
+def _list_texts(function: Any, *arguments: bytes) -> List[str]:
+    texts = _Owned(_Texts, _si.texts_free)
+    with _Call() as call:
+        function(*arguments, call.run, texts.place)
+    return [_text(text) for text in texts.pointer.contents.texts[: texts.pointer.contents.count]]
+
+
+def list_datasets(path: bytes) -> List[str]:
+    return _list_texts(_si.list_datasets, path)
+
+
+def read_attributes(path: bytes, axes: str) -> str:
+    return _list_texts(_si.read_attributes, path, encode(axes))[0]
+
+
+def open_volume(path: bytes, axes: str, folder: bytes, threads: int) -> VolumeFile:
+    return VolumeFile(path, _make_opening(axes=encode(axes), index_folder=folder), threads)
+
+
+def open_surface(path: bytes) -> SurfaceFile:
+    return SurfaceFile(path)
+
+
+def write_index(path: bytes, axes: str, folder: bytes, memory: int, threads: int) -> str:
+    """What of the file is left out."""
+    told: List[str] = []
+    with _Call(threads, told=told) as call:
+        opening = _make_opening(axes=encode(axes), index_folder=folder)
+        _si.write_index(path, byref(opening), memory, call.run)
+    return "".join(told)
+
+
+class VolumeFile:
+    """si_volume."""
+
+    def __init__(self, path: bytes, opening: Any, threads: int) -> None:
+        self._owned = _Owned(None, _si.volume_close)
+        with _Call(threads) as call:
+            _si.volume_open(path, byref(opening), call.run, self._owned.place)
+        info = _si.volume_describe(self._owned.pointer).contents
+        self.path: bytes = info.path
+        self.arrays: List[Tuple[str, str, int, str]] = [
+            (_text(array.name), VALUE_TYPES[array.type], array.components, _text(array.unit))
+            for array in info.arrays[: info.array_count]
+        ]
+        self.times: List[Optional[float]] = [
+            None if math.isnan(time) else time for time in info.times[: info.step_count]
+        ]
+        self.levels: int = info.level_count
+        self.left_out: str = _text(info.left_out)
+
+    def describe(self, level: int) -> Tuple[Any, ...]:
+        """Dimensions, spacing, origin, direction, lines or None, chunk and unit of length."""
+        grid = _si.volume_grid(self._owned.pointer, level).contents
+        lines = [line[:size] for line, size in zip(grid.lines, grid.dimensions)] if grid.lines[0] else None
+        parts = (tuple(part) for part in (grid.dimensions, grid.spacing, grid.origin, grid.direction))
+        return (*parts, lines, tuple(grid.chunk), _text(grid.length_unit))
+
+    def read(self, samples: numpy.ndarray, components: Sequence[int], threads: int, **box: Any) -> None:
+        """`box`: members of si_box."""
+        numbers = (c_int32 * len(components))(*components)
+        whole = _make_box(component_count=len(components), components=numbers, **box)
+        with _Call(threads) as call:
+            memory = samples.__array_interface__["data"][0]
+            _si.volume_read(self._owned.pointer, byref(whole), memory, samples.nbytes, call.run)
+
+    def spectrum(self, scalar: Tuple[int, int, int, int]) -> Dict[str, Any]:
+        """`scalar`: array, component, time step and level."""
+        owner = _Owned(_Spectrum, _si.spectrum_free)
+        with _Call() as call:
+            _si.volume_spectrum(self._owned.pointer, byref(_Scalar(*scalar)), call.run, owner.place)
+        found = owner.pointer.contents
+        quantities: Dict[str, Any] = {"isovalues": _view(owner, found.isovalues, "float64", found.count).copy()}
+        for name in _QUANTITIES:
+            address = getattr(found, name)
+            dtype = "float64" if name in ("area", "volume") else "uint64"
+            quantities[name] = None if address is None else _view(owner, address, dtype, found.count).copy()
+        return quantities
+
+    def active_blocks(self, **request: Any) -> numpy.ndarray:
+        """The vertices of active blocks: number, axis (z, y, x), ends [low, high)."""
+        owner = _Owned(_Boxes, _si.boxes_free)
+        with _Call(caller=2) as call:
+            _si.volume_find_blocks(self._owned.pointer, _request(**request), call.run, owner.place)
+        boxes = _view(owner, owner.pointer.contents.boxes, "int64", owner.pointer.contents.count, 3, 2)
+        return boxes[:, ::-1].copy()
+
+    def isosurface(self, threads: int, normals: bool, **request: Any) -> Dict[str, Any]:
+        owner = _Owned(_Surface, _si.surface_free)
+        with _Call(threads, caller=2) as call:
+            _si.volume_extract(self._owned.pointer, _request(normals=normals, **request), call.run, owner.place)
+        return _find_surface(owner, normals)
+
+
+def _request(
+    isovalues: Sequence[float], region: Optional[Sequence[float]], attributes: Sequence[int] = (), **others: Any
+) -> Any:
+    """A reference to a si_surface_request with such other members."""
+    return byref(
+        _make_request(
+            isovalue_count=len(isovalues),
+            isovalues=(c_double * len(isovalues))(*isovalues),
+            region=None if region is None else (c_double * 6)(*region),
+            attribute_count=len(attributes),
+            attributes=(c_size_t * len(attributes))(*attributes),
+            **others,
+        )
+    )
+
+
+class SurfaceFile:
+    """si_surface_file."""
+
+    def __init__(self, path: bytes) -> None:
+        self._owned = _Owned(None, _si.surface_file_close)
+        with _Call() as call:
+            _si.surface_file_open(path, call.run, self._owned.place)
+        info = _si.surface_file_describe(self._owned.pointer).contents
+        self.isovalues: List[float] = info.isovalues[: info.isovalue_count]
+        self.array: str = _text(info.array)
+        self.source: str = _text(info.source)
+        self.time: Optional[float] = None if math.isnan(info.time) else info.time
+        self.length_unit: str = _text(info.length_unit)
+        self.attributes: List[str] = [_text(name) for name in info.attributes[: info.attribute_count]]
+        self.has_preview: bool = info.has_preview != 0
+        self.missing: str = _text(info.missing)
+
+    def read(self, isovalues: Sequence[int], preview: bool, normals: bool, threads: int) -> Dict[str, Any]:
+        numbers = (c_size_t * len(isovalues))(*isovalues)
+        owner = _Owned(_Surface, _si.surface_free)
+        with _Call(threads) as call:
+            _si.surface_file_read(
+                self._owned.pointer, len(numbers), numbers, preview, normals, call.run, owner.place
+            )
+        return _find_surface(owner, normals)
+
+
+def _read_slice(source: Any, reading: Any, kind: str, components: int) -> int:
+    """Fills what a reader is asked for."""
+    key = tuple(slice(low, high, 1) for low, high in zip(reading.low[::-1], reading.high[::-1]))
+    samples = numpy.asarray(source[key], kind)
+    shape = tuple(part.stop - part.start for part in key)
+    # Of one component the last axis may be there or not.
+    if samples.shape != (*shape, components) and (components > 1 or samples.shape != shape):
+        raise ValueError("a slice of the array has not the shape that was asked for")
+    memory = (ctypes.c_char * reading.bytes).from_address(reading.samples)
+    numpy.frombuffer(memory, kind).reshape(samples.shape)[...] = samples
+    return 1
+
+
+class VolumeWriting:
+    """A blocked volume to be written."""
+
+    def __init__(self, path: bytes, lines: Optional[Sequence[Sequence[float]]], settings: Dict[str, Any], **grid: Any):
+        """`grid`: members of si_grid; `settings`: of si_settings, and threads."""
+        self._path = path
+        self._grid = _make_grid(**grid)
+        for axis, line in enumerate(lines or ()):
+            self._grid.lines[axis] = (c_double * len(line))(*line)
+        self._threads = settings.pop("threads")
+        self._settings = _make_settings(**settings)
+
+    def write_arrays(
+        self,
+        steps: Sequence[Sequence[Tuple[str, Any, str, int, str]]],
+        times: Sequence[Optional[float]],
+        chunk: Optional[Sequence[int]],
+    ) -> None:
+        """`steps`: of each array name, source, type, components and unit."""
+        self._grid.chunk = tuple(chunk or ())
+        arrays = [
+            _Array(encode(name), VALUE_TYPES.index(kind), components, encode(unit))
+            for name, _, kind, components, unit in steps[0]
+        ]
+
+        def read(pointer: Any) -> int:
+            reading = pointer.contents
+            _, source, kind, components, _ = steps[reading.step][reading.array]
+            return _read_slice(source, reading, kind, components)
+
+        with _Call(self._threads, caller=3) as call:
+            _si.write_volume(
+                self._path,
+                byref(self._grid),
+                len(arrays),
+                (_Array * len(arrays))(*arrays),
+                len(times),
+                self._list_times(times),
+                _Reader(call.listen(read, 0)),
+                None,
+                byref(self._settings),
+                call.run,
+            )
+
+    def write_file(self, file: VolumeFile, times: Sequence[Optional[float]]) -> None:
+        """All time steps of a file."""
+        with _Call(self._threads, caller=3) as call:
+            _si.volume_write(
+                file._owned.pointer,
+                self._path,
+                byref(self._grid),
+                self._list_times(times),
+                byref(self._settings),
+                call.run,
+            )
+
+    @staticmethod
+    def _list_times(times: Sequence[Optional[float]]) -> Any:
+        return (c_double * len(times))(*(math.nan if time is None else time for time in times))
