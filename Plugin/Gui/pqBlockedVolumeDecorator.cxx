@@ -34,9 +34,6 @@ pqBlockedVolumeDecorator::pqBlockedVolumeDecorator(vtkPVXMLElement* xml, pqPrope
 }
 
 //------------------------------------------------------------------------------
-pqBlockedVolumeDecorator::~pqBlockedVolumeDecorator() = default;
-
-//------------------------------------------------------------------------------
 bool pqBlockedVolumeDecorator::canShowWidget(bool showAdvanced) const
 {
   return IsBehindReader(this->parentWidget()->proxy()) &&

@@ -21,7 +21,6 @@ class pqBlockedVolumeDecorator : public pqPropertyWidgetDecorator
 
 public:
   pqBlockedVolumeDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
-  ~pqBlockedVolumeDecorator() override;
 
   bool canShowWidget(bool showAdvanced) const override;
 
@@ -29,9 +28,6 @@ public:
   static bool IsReader(vtkSMProxy* proxy);
   /// Whether a filter stands straight behind such a reader, or behind filters that pass it on.
   static bool IsBehindReader(vtkSMProxy* filter);
-
-private:
-  Q_DISABLE_COPY(pqBlockedVolumeDecorator)
 };
 
 #endif

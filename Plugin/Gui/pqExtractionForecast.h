@@ -36,7 +36,6 @@ public:
   double PredictFromDisk(const isosurface::IsosurfaceForecast& forecast) const;
 
 private:
-  Q_DISABLE_COPY(pqExtractionForecast)
   explicit pqExtractionForecast(pqServer* server);
 
   double Ranks;

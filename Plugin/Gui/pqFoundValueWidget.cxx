@@ -56,9 +56,6 @@ pqFoundValueWidget::pqFoundValueWidget(vtkSMProxy* proxy, vtkSMProperty* propert
 }
 
 //------------------------------------------------------------------------------
-pqFoundValueWidget::~pqFoundValueWidget() = default;
-
-//------------------------------------------------------------------------------
 QVariantList pqFoundValueWidget::GetNumbers() const
 {
   QVariantList numbers;

@@ -27,7 +27,6 @@ class pqFoundValueWidget : public pqPropertyWidget
 
 public:
   pqFoundValueWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent = nullptr);
-  ~pqFoundValueWidget() override;
 
   QVariantList GetNumbers() const;
   void SetNumbers(const QVariantList& numbers);
@@ -41,8 +40,6 @@ private Q_SLOTS:
   void EmptyIfFound();
 
 private:
-  Q_DISABLE_COPY(pqFoundValueWidget)
-
   QList<QLineEdit*> Fields;
 };
 

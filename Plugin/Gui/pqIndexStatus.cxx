@@ -52,9 +52,6 @@ pqIndexStatus::pqIndexStatus(QWidget* parent)
 }
 
 //------------------------------------------------------------------------------
-pqIndexStatus::~pqIndexStatus() = default;
-
-//------------------------------------------------------------------------------
 bool pqIndexStatus::IsReader(vtkSMProxy* proxy)
 {
   return proxy && proxy->GetVTKClassName() &&

@@ -29,7 +29,6 @@ class pqIndexStatus : public QToolButton
 
 public:
   explicit pqIndexStatus(QWidget* parent = nullptr);
-  ~pqIndexStatus() override;
 
   /// Between two questions how far an index is.
   static constexpr int PollMilliseconds = 100;
@@ -58,8 +57,6 @@ private Q_SLOTS:
   void Stop();
 
 private:
-  Q_DISABLE_COPY(pqIndexStatus)
-
   using Sources = std::vector<QPointer<pqPipelineSource>>;
 
   /// Whether the index is to be watched further. Readers that have taken something new are added.

@@ -55,9 +55,6 @@ pqInformationLine::pqInformationLine(vtkSMProxy* proxy, vtkSMProperty* property,
 }
 
 //------------------------------------------------------------------------------
-pqInformationLine::~pqInformationLine() = default;
-
-//------------------------------------------------------------------------------
 QString pqInformationLine::GetText() const
 {
   return this->Text;

@@ -23,7 +23,6 @@ class pqInformationLine : public pqPropertyWidget
 
 public:
   pqInformationLine(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent = nullptr);
-  ~pqInformationLine() override;
 
   QString GetText() const;
 
@@ -31,8 +30,6 @@ private Q_SLOTS:
   void Read();
 
 private:
-  Q_DISABLE_COPY(pqInformationLine)
-
   QLabel* Label;
   pqPropertyWidgetDecorator* Decorator = nullptr; ///< hides this line while the text is empty
   QString Text;

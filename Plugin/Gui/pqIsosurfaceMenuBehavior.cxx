@@ -64,15 +64,6 @@ void SetRange(vtkSMProxy* view, const std::pair<double, double>& triangles)
 } // namespace
 
 //------------------------------------------------------------------------------
-pqIsosurfaceMenuBehavior::pqIsosurfaceMenuBehavior(QObject* parent)
-  : QObject(parent)
-{
-}
-
-//------------------------------------------------------------------------------
-pqIsosurfaceMenuBehavior::~pqIsosurfaceMenuBehavior() = default;
-
-//------------------------------------------------------------------------------
 void pqIsosurfaceMenuBehavior::OnStartup()
 {
   const pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();

@@ -25,8 +25,7 @@ class pqIsosurfaceMenuBehavior : public QObject
   Q_OBJECT
 
 public:
-  explicit pqIsosurfaceMenuBehavior(QObject* parent = nullptr);
-  ~pqIsosurfaceMenuBehavior() override;
+  using QObject::QObject;
 
   void OnStartup();
   void OnShutdown() {}
@@ -37,9 +36,6 @@ private Q_SLOTS:
   void ArrangeChart(pqRepresentation* representation);
   void ExpectReset();
   void KeepRanges();
-
-private:
-  Q_DISABLE_COPY(pqIsosurfaceMenuBehavior)
 };
 
 #endif

@@ -37,9 +37,6 @@ pqIsovalueChart::pqIsovalueChart(QWidget* parent)
 }
 
 //------------------------------------------------------------------------------
-pqIsovalueChart::~pqIsovalueChart() = default;
-
-//------------------------------------------------------------------------------
 QSize pqIsovalueChart::sizeHint() const
 {
   return QSize(300, 9 * this->fontMetrics().height());

@@ -48,7 +48,6 @@ public:
   using DurationWords = std::function<QString(const isosurface::IsosurfaceForecast&)>;
 
   explicit pqIsovalueChart(QWidget* parent = nullptr);
-  ~pqIsovalueChart() override;
 
   ///@{
   /// The spectrum that is drawn; none: an empty chart with a message in it.
@@ -117,8 +116,6 @@ protected:
   void leaveEvent(QEvent* event) override;
 
 private:
-  Q_DISABLE_COPY(pqIsovalueChart)
-
   QRect GetPlot() const;
   void MoveTo(int handle, double isovalue);
   void Remove(int handle);

@@ -59,8 +59,6 @@ private Q_SLOTS:
   void UpdateTissues();
 
 private:
-  Q_DISABLE_COPY(pqIsovaluePropertyWidget)
-
   void LayOut();
   void LayOutTissues();
   void ToggleIsovalue(double isovalue);
@@ -73,7 +71,7 @@ private:
   pqIsovalueChart* Chart;
   QComboBox* Quantities;
   QCheckBox* Live;
-  QWidget* Tissues;     ///< a button for each, shown where values are Hounsfield units
+  QWidget* Tissues; ///< a button for each, shown where values are Hounsfield units
   pqTimer* FetchTimer;
   pqTimer* LiveTimer;
   vtkNew<vtkEventQtSlotConnect> Connections;

@@ -36,9 +36,6 @@ pqOtherArraysDecorator::pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyW
 }
 
 //------------------------------------------------------------------------------
-pqOtherArraysDecorator::~pqOtherArraysDecorator() = default;
-
-//------------------------------------------------------------------------------
 bool pqOtherArraysDecorator::canShowWidget(bool showAdvanced) const
 {
   return !this->IsEmpty && this->Superclass::canShowWidget(showAdvanced);

@@ -21,7 +21,6 @@ class pqOtherArraysDecorator : public pqPropertyWidgetDecorator
 
 public:
   pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
-  ~pqOtherArraysDecorator() override;
 
   bool canShowWidget(bool showAdvanced) const override;
 
@@ -30,8 +29,6 @@ private Q_SLOTS:
   void HideContoured();
 
 private:
-  Q_DISABLE_COPY(pqOtherArraysDecorator)
-
   bool IsEmpty = false;
 };
 

@@ -52,15 +52,6 @@ QString FindShown(pqPipelineSource* source)
 } // namespace
 
 //------------------------------------------------------------------------------
-pqOverviewNoteBehavior::pqOverviewNoteBehavior(QObject* parent)
-  : QObject(parent)
-{
-}
-
-//------------------------------------------------------------------------------
-pqOverviewNoteBehavior::~pqOverviewNoteBehavior() = default;
-
-//------------------------------------------------------------------------------
 void pqOverviewNoteBehavior::OnStartup()
 {
   QObject::connect(

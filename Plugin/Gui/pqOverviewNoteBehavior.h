@@ -23,8 +23,7 @@ class pqOverviewNoteBehavior : public QObject
   Q_OBJECT
 
 public:
-  explicit pqOverviewNoteBehavior(QObject* parent = nullptr);
-  ~pqOverviewNoteBehavior() override;
+  using QObject::QObject;
 
   void OnStartup();
   void OnShutdown() {}
@@ -33,8 +32,6 @@ private Q_SLOTS:
   void Update();
 
 private:
-  Q_DISABLE_COPY(pqOverviewNoteBehavior)
-
   QLabel* FindLine();
 
   QPointer<QLabel> Line; ///< the panel's

@@ -28,9 +28,6 @@ pqPanelNameDecorator::pqPanelNameDecorator(vtkPVXMLElement* xml, pqPropertyWidge
 }
 
 //------------------------------------------------------------------------------
-pqPanelNameDecorator::~pqPanelNameDecorator() = default;
-
-//------------------------------------------------------------------------------
 bool pqPanelNameDecorator::eventFilter(QObject* object, QEvent* event)
 {
   if (event->type() == QEvent::Show)

@@ -20,13 +20,10 @@ class pqPanelNameDecorator : public pqPropertyWidgetDecorator
 
 public:
   pqPanelNameDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
-  ~pqPanelNameDecorator() override;
 
   bool eventFilter(QObject* object, QEvent* event) override;
 
 private:
-  Q_DISABLE_COPY(pqPanelNameDecorator)
-
   void Rename() const;
 
   QString Name;

@@ -121,22 +121,6 @@ bool IsSavingDialog(const QDialog* dialog)
   return proxy && std::strcmp(proxy, "SaveAnimationExtracts") == 0;
 }
 
-/// Whether an event comes from a hand that does something, or is about to.
-bool IsOfHand(const QEvent* event)
-{
-  switch (event->type())
-  {
-    case QEvent::MouseMove:
-    case QEvent::MouseButtonPress:
-    case QEvent::MouseButtonRelease:
-    case QEvent::Wheel:
-    case QEvent::KeyPress:
-      return true;
-    default:
-      return false;
-  }
-}
-
 /// Whether the server of a contour still answers.
 bool IsServerAlive(vtkSMProxy* contour)
 {
@@ -154,9 +138,6 @@ pqProgressiveContourBehavior::pqProgressiveContourBehavior(QObject* parent)
   this->Timer->setSingleShot(true);
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqProgressiveContourBehavior::Advance);
 }
-
-//------------------------------------------------------------------------------
-pqProgressiveContourBehavior::~pqProgressiveContourBehavior() = default;
 
 //------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::OnStartup()
@@ -240,11 +221,7 @@ void pqProgressiveContourBehavior::ObserveTimeButtons(QMainWindow* window)
 //------------------------------------------------------------------------------
 bool pqProgressiveContourBehavior::eventFilter(QObject* object, QEvent* event)
 {
-  if (IsOfHand(event))
-  {
-    this->LastInput.start();
-  }
-  else if (event->type() == QEvent::Show)
+  if (event->type() == QEvent::Show)
   {
     auto* dialog = qobject_cast<QDialog*>(object);
     if (dialog && IsSavingDialog(dialog))
@@ -493,8 +470,7 @@ bool pqProgressiveContourBehavior::IsHandMoving(Watched& watched, const Refineme
   {
     watched.Ready.start();
   }
-  return report.Triangles > LargeSurface && this->LastInput.isValid() &&
-    !this->LastInput.hasExpired(RestMilliseconds) &&
+  return report.Triangles > LargeSurface && this->Drawing->IsHandMoving(RestMilliseconds) &&
     !watched.Ready.hasExpired(PatienceMilliseconds);
 }
 

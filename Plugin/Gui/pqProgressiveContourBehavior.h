@@ -46,7 +46,6 @@ class pqProgressiveContourBehavior : public QObject
 
 public:
   explicit pqProgressiveContourBehavior(QObject* parent = nullptr);
-  ~pqProgressiveContourBehavior() override;
 
   /// Between two questions how far a surface is.
   static constexpr int PollMilliseconds = 10;
@@ -66,7 +65,7 @@ public:
   void OnShutdown();
 
 protected:
-  /// Waits for dialogs that save, and notices the hand.
+  /// Waits for dialogs that save.
   bool eventFilter(QObject* object, QEvent* event) override;
 
 private Q_SLOTS:
@@ -86,8 +85,6 @@ private Q_SLOTS:
   void Finish();
 
 private:
-  Q_DISABLE_COPY(pqProgressiveContourBehavior)
-
   /// A contour whose surface may not be final.
   struct Watched
   {
@@ -123,7 +120,6 @@ private:
   QPointer<QDialog> Question;          ///< about a surface that is too large
   std::vector<Watched> All;
   std::map<vtkTypeUInt32, vtkBoundingBox> BoundsBefore; ///< of those that grow, by the proxies' ids
-  QElapsedTimer LastInput;                              ///< since the mouse or a key was last used
   bool Finishing = false;
   bool ChangingTime = false;
 };

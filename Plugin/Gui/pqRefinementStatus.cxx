@@ -49,9 +49,6 @@ pqRefinementStatus::pqRefinementStatus(QWidget* parent)
 }
 
 //------------------------------------------------------------------------------
-pqRefinementStatus::~pqRefinementStatus() = default;
-
-//------------------------------------------------------------------------------
 bool pqRefinementStatus::IsCoarseFirst() const
 {
   return this->CoarseFirst->isChecked();

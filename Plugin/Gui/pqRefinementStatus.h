@@ -22,7 +22,6 @@ class pqRefinementStatus : public QToolButton
 
 public:
   explicit pqRefinementStatus(QWidget* parent = nullptr);
-  ~pqRefinementStatus() override;
 
   /// Whether surfaces are to be coarse first; kept in the user's settings.
   bool IsCoarseFirst() const;
@@ -42,8 +41,6 @@ Q_SIGNALS:
   void stopped();
 
 private:
-  Q_DISABLE_COPY(pqRefinementStatus)
-
   QAction* CoarseFirst;
   QAction* Stop;
 };

@@ -19,9 +19,6 @@ pqRegionBoxWidget::pqRegionBoxWidget(vtkSMProxy* proxy, vtkSMPropertyGroup* grou
 }
 
 //------------------------------------------------------------------------------
-pqRegionBoxWidget::~pqRegionBoxWidget() = default;
-
-//------------------------------------------------------------------------------
 void pqRegionBoxWidget::FollowInput()
 {
   vtkSMProperty* input = this->proxy()->GetProperty("Input");

@@ -22,13 +22,9 @@ class pqRegionBoxWidget : public pqBoxPropertyWidget
 
 public:
   pqRegionBoxWidget(vtkSMProxy* proxy, vtkSMPropertyGroup* group, QWidget* parent = nullptr);
-  ~pqRegionBoxWidget() override;
 
 private Q_SLOTS:
   void FollowInput();
-
-private:
-  Q_DISABLE_COPY(pqRegionBoxWidget)
 };
 
 #endif

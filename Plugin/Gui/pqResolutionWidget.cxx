@@ -31,9 +31,6 @@ pqResolutionWidget::pqResolutionWidget(vtkSMProxy* proxy, vtkSMProperty* propert
 }
 
 //------------------------------------------------------------------------------
-pqResolutionWidget::~pqResolutionWidget() = default;
-
-//------------------------------------------------------------------------------
 int pqResolutionWidget::GetLevel() const
 {
   return std::max(0, this->Levels->currentIndex());

@@ -22,7 +22,6 @@ class pqResolutionWidget : public pqPropertyWidget
 
 public:
   pqResolutionWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent = nullptr);
-  ~pqResolutionWidget() override;
 
   int GetLevel() const;
   void SetLevel(int level);
@@ -37,8 +36,6 @@ private Q_SLOTS:
   void ListLevels();
 
 private:
-  Q_DISABLE_COPY(pqResolutionWidget)
-
   QComboBox* Levels;
 };
 

@@ -17,9 +17,6 @@ pqSeveralComponentsDecorator::pqSeveralComponentsDecorator(
 }
 
 //------------------------------------------------------------------------------
-pqSeveralComponentsDecorator::~pqSeveralComponentsDecorator() = default;
-
-//------------------------------------------------------------------------------
 bool pqSeveralComponentsDecorator::canShowWidget(bool showAdvanced) const
 {
   auto* components = this->parentWidget()->property()->FindDomain<vtkSMEnumerationDomain>();

@@ -19,12 +19,8 @@ class pqSeveralComponentsDecorator : public pqPropertyWidgetDecorator
 
 public:
   pqSeveralComponentsDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
-  ~pqSeveralComponentsDecorator() override;
 
   bool canShowWidget(bool showAdvanced) const override;
-
-private:
-  Q_DISABLE_COPY(pqSeveralComponentsDecorator)
 };
 
 #endif

@@ -13,6 +13,3 @@ pqSlicePlaneWidget::pqSlicePlaneWidget(
     shown->setChecked(false);
   }
 }
-
-//------------------------------------------------------------------------------
-pqSlicePlaneWidget::~pqSlicePlaneWidget() = default;

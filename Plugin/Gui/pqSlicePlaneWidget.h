@@ -20,10 +20,6 @@ class pqSlicePlaneWidget : public pqImplicitPlanePropertyWidget
 
 public:
   pqSlicePlaneWidget(vtkSMProxy* proxy, vtkSMPropertyGroup* group, QWidget* parent = nullptr);
-  ~pqSlicePlaneWidget() override;
-
-private:
-  Q_DISABLE_COPY(pqSlicePlaneWidget)
 };
 
 #endif

@@ -149,15 +149,6 @@ void Tell(const QString& words)
 } // namespace
 
 //------------------------------------------------------------------------------
-pqSpectrumPickBehavior::pqSpectrumPickBehavior(QObject* parent)
-  : QObject(parent)
-{
-}
-
-//------------------------------------------------------------------------------
-pqSpectrumPickBehavior::~pqSpectrumPickBehavior() = default;
-
-//------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::OnStartup()
 {
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();

@@ -31,8 +31,7 @@ class pqSpectrumPickBehavior : public QObject
   Q_OBJECT
 
 public:
-  explicit pqSpectrumPickBehavior(QObject* parent = nullptr);
-  ~pqSpectrumPickBehavior() override;
+  using QObject::QObject;
 
   void OnStartup();
   void OnShutdown() {}
@@ -44,8 +43,6 @@ private Q_SLOTS:
   void PickPlace(vtkObject* interactor);
 
 private:
-  Q_DISABLE_COPY(pqSpectrumPickBehavior)
-
   /// add: to the contour's own isovalues.
   void SetIsovalues(vtkSMSourceProxy* spectrum, std::vector<double> isovalues, bool add);
 };

@@ -82,9 +82,6 @@ pqSpectrumSource::pqSpectrumSource(vtkSMProxy* contour, QObject* parent)
 }
 
 //------------------------------------------------------------------------------
-pqSpectrumSource::~pqSpectrumSource() = default;
-
-//------------------------------------------------------------------------------
 vtkSMSourceProxy* pqSpectrumSource::GetInput(unsigned int& port) const
 {
   vtkSMPropertyHelper input(this->Contour, "Input");

@@ -28,7 +28,6 @@ class pqSpectrumSource : public QObject
 
 public:
   explicit pqSpectrumSource(vtkSMProxy* contour, QObject* parent = nullptr);
-  ~pqSpectrumSource() override;
 
   /// Whether the spectrum stands in a file: then it costs one small read.
   bool IsStored() const;
@@ -48,8 +47,6 @@ private Q_SLOTS:
   void Advance();
 
 private:
-  Q_DISABLE_COPY(pqSpectrumSource)
-
   vtkSMSourceProxy* GetInput(unsigned int& port) const;
 
   vtkSmartPointer<vtkSMProxy> Contour;

@@ -34,6 +34,3 @@ pqSpinBoxWidget::pqSpinBoxWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWi
   QObject::connect(box, SIGNAL(editingFinished()), this, SIGNAL(changeFinished()));
   this->setChangeAvailableAsChangeFinished(false);
 }
-
-//------------------------------------------------------------------------------
-pqSpinBoxWidget::~pqSpinBoxWidget() = default;

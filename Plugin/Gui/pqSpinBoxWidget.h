@@ -20,10 +20,6 @@ class pqSpinBoxWidget : public pqPropertyWidget
 
 public:
   pqSpinBoxWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent = nullptr);
-  ~pqSpinBoxWidget() override;
-
-private:
-  Q_DISABLE_COPY(pqSpinBoxWidget)
 };
 
 #endif

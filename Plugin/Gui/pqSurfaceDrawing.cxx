@@ -57,16 +57,14 @@ pqSurfaceDrawing::pqSurfaceDrawing(QObject* parent)
 {
   this->Timer->setSingleShot(true);
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqSurfaceDrawing::Advance);
-  QObject::connect(GetPipelineModel(), &pqServerManagerModel::viewAdded, this, &pqSurfaceDrawing::Observe);
+  QObject::connect(
+    GetPipelineModel(), &pqServerManagerModel::viewAdded, this, &pqSurfaceDrawing::Observe);
   for (pqView* view : GetPipelineModel()->findItems<pqView*>())
   {
     this->Observe(view);
   }
   QCoreApplication::instance()->installEventFilter(this);
 }
-
-//------------------------------------------------------------------------------
-pqSurfaceDrawing::~pqSurfaceDrawing() = default;
 
 //------------------------------------------------------------------------------
 bool pqSurfaceDrawing::eventFilter(QObject*, QEvent* event)
@@ -81,9 +79,9 @@ bool pqSurfaceDrawing::eventFilter(QObject*, QEvent* event)
 }
 
 //------------------------------------------------------------------------------
-bool pqSurfaceDrawing::IsHandMoving() const
+bool pqSurfaceDrawing::IsHandMoving(int milliseconds) const
 {
-  return this->SinceHand.isValid() && !this->SinceHand.hasExpired(MovingMilliseconds);
+  return this->SinceHand.isValid() && !this->SinceHand.hasExpired(milliseconds);
 }
 
 //------------------------------------------------------------------------------

@@ -31,7 +31,6 @@ class pqSurfaceDrawing : public QObject
 
 public:
   explicit pqSurfaceDrawing(QObject* parent = nullptr);
-  ~pqSurfaceDrawing() override;
 
   /// What the window is held for while a hand moves and while it rests. Each portion costs some 0.03 s
   /// beside it.
@@ -54,6 +53,9 @@ public:
   /// Leaves the views as they are.
   void Stop();
 
+  /// Whether the hand did something within a time.
+  bool IsHandMoving(int milliseconds = MovingMilliseconds) const;
+
   /// Notices mouse, wheel and keys; filters no event.
   bool eventFilter(QObject* receiver, QEvent* event) override;
 
@@ -69,9 +71,6 @@ private Q_SLOTS:
   void Forget();
 
 private:
-  Q_DISABLE_COPY(pqSurfaceDrawing)
-
-  bool IsHandMoving() const;
   /// Draws a view in portions, after `milliseconds`, if this process draws it; false otherwise.
   bool Add(pqView* view, int milliseconds = 0);
   /// Draws a portion; whether the image is whole, and shown.

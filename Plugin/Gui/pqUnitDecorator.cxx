@@ -18,6 +18,3 @@ pqUnitDecorator::pqUnitDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent)
     row->addWidget(unit);
   }
 }
-
-//------------------------------------------------------------------------------
-pqUnitDecorator::~pqUnitDecorator() = default;

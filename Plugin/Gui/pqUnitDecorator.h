@@ -19,10 +19,6 @@ class pqUnitDecorator : public pqPropertyWidgetDecorator
 
 public:
   pqUnitDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent);
-  ~pqUnitDecorator() override;
-
-private:
-  Q_DISABLE_COPY(pqUnitDecorator)
 };
 
 #endif

@@ -50,15 +50,6 @@ QString FindFile(const QDialog* question)
 } // namespace
 
 //------------------------------------------------------------------------------
-pqVolumeOpeningBehavior::pqVolumeOpeningBehavior(QObject* parent)
-  : QObject(parent)
-{
-}
-
-//------------------------------------------------------------------------------
-pqVolumeOpeningBehavior::~pqVolumeOpeningBehavior() = default;
-
-//------------------------------------------------------------------------------
 void pqVolumeOpeningBehavior::OnStartup()
 {
   isosurface::CallWithWindow(this, &pqVolumeOpeningBehavior::AddToMenu);

@@ -21,8 +21,7 @@ class pqVolumeOpeningBehavior : public QObject
   Q_OBJECT
 
 public:
-  explicit pqVolumeOpeningBehavior(QObject* parent = nullptr);
-  ~pqVolumeOpeningBehavior() override;
+  using QObject::QObject;
 
   void OnStartup();
   void OnShutdown();
@@ -36,8 +35,6 @@ private Q_SLOTS:
   void OpenFolder();
 
 private:
-  Q_DISABLE_COPY(pqVolumeOpeningBehavior)
-
   void Propose(const QDialog* question) const;
 };
 
