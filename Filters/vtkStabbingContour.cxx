@@ -80,35 +80,7 @@ void FillOutput(vtkStabbingContour& contour, int rank, int threads,
 
 //------------------------------------------------------------------------------
 vtkStabbingContour::vtkStabbingContour()
-  : Component(0)
-  , ComputeNormals(1)
-  , OutputPointsPrecision(DEFAULT_PRECISION)
-  , ComputeScalars(1)
-  , GenerateTriangles(1)
-  , Level(0)
-  , TimeBudget(0)
-  , MaximumTriangles(0)
-  , Progressive(0)
-  , Final(1)
-  , Refinement(isosurface::Refinement().ToValues())
-  , RefinementMemory(0)
-  , DropDegenerateTriangles(0)
-  , CloseBoundary(0)
-  , Inside(ABOVE)
-  , SkipNotANumber(0)
-  , DynamicBalance(0)
-  , UseRegion(0)
-  , RegionPosition{ 0, 0, 0 }
-  , RegionLength{ 1, 1, 1 }
-  , Frustum(nullptr)
-  , IslandSize(TRIANGLES)
-  , MinimumIslandSize(0)
-  , MaximumIslands(0)
-  , UseIslandPoint(0)
-  , IslandPoint{ 0, 0, 0 }
-  , ComputeIslandIds(0)
-  , NumberOfThreads(0)
-  , Controller(nullptr)
+  : Refinement(isosurface::Refinement().ToValues())
   , Work(new ContourExecution(*this))
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());

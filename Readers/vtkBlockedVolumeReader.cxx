@@ -146,17 +146,8 @@ struct vtkBlockedVolumeReader::PreparedOutput
 
 //------------------------------------------------------------------------------
 vtkBlockedVolumeReader::vtkBlockedVolumeReader()
-  : FileName(nullptr)
-  , LocalStores(false)
-  , MemoryLimit(256)
-  , Level(0)
-  , LengthUnit(nullptr)
-  , Controller(nullptr)
-  , PointDataArraySelection(vtkSmartPointer<vtkDataArraySelection>::New())
+  : PointDataArraySelection(vtkSmartPointer<vtkDataArraySelection>::New())
   , Handle(vtkSmartPointer<vtkBlockedVolumeHandle>::New())
-  , OpenTime(0)
-  , IsErrorTold(false)
-  , IsToldLate(false)
 {
   this->TellGrid({});
   this->SetNumberOfInputPorts(0);

@@ -206,24 +206,24 @@ private:
   /// Tells the pipeline about the arrays and times of the open volume.
   void TellVolume(vtkInformation* outInfo);
 
-  char* FileName;
-  bool LocalStores;
-  int MemoryLimit;
-  int Level;
+  char* FileName = nullptr;
+  bool LocalStores = false;
+  int MemoryLimit = 256;
+  int Level = 0;
   std::vector<double> Spacing; ///< empty, or three numbers
   std::vector<double> Origin;
-  char* LengthUnit;
+  char* LengthUnit = nullptr;
   double FoundSpacing[3];
   double FoundOrigin[3];
   std::string FoundUnit;
-  vtkMultiProcessController* Controller;
+  vtkMultiProcessController* Controller = nullptr;
   vtkSmartPointer<vtkDataArraySelection> PointDataArraySelection;
   /// One for good: of a series of files each in turn is opened, and consumers keep the handle that
   /// they found first, since pipeline information does not reach them when the time changes.
   vtkSmartPointer<vtkBlockedVolumeHandle> Handle;
-  vtkMTimeType OpenTime; ///< our MTime when the handle's volume was opened
-  bool IsErrorTold;      ///< whether OpenVolume has just reported the handle's error
-  bool IsToldLate;       ///< whether RequestData tells what RequestInformation could not
+  vtkMTimeType OpenTime = 0; ///< our MTime when the handle's volume was opened
+  bool IsErrorTold = false;  ///< whether OpenVolume has just reported the handle's error
+  bool IsToldLate = false;   ///< whether RequestData tells what RequestInformation could not
   std::string ShownText;
   vtkSmartPointer<vtkBlockedVolumeHandle> StandIn;
   std::unique_ptr<PreparedOutput> Prepared; ///< null if nothing is

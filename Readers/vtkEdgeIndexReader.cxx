@@ -105,16 +105,7 @@ struct vtkEdgeIndexReader::Internals
 
 //------------------------------------------------------------------------------
 vtkEdgeIndexReader::vtkEdgeIndexReader()
-  : FileName(nullptr)
-  , Preview(0)
-  , UseRegion(0)
-  , RegionPosition{ 0, 0, 0 }
-  , RegionLength{ 1, 1, 1 }
-  , ComputeScalars(1)
-  , ComputeNormals(1)
-  , NumberOfThreads(0)
-  , Controller(nullptr)
-  , Internal(new Internals(*this))
+  : Internal(new Internals(*this))
 {
   this->SetNumberOfInputPorts(0);
   this->SetController(vtkMultiProcessController::GetGlobalController());

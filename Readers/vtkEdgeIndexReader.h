@@ -126,15 +126,15 @@ private:
 
   struct Internals; ///< the open file, and the steps of RequestData
 
-  char* FileName;
-  vtkTypeBool Preview;
-  vtkTypeBool UseRegion;
-  double RegionPosition[3];
-  double RegionLength[3];
-  vtkTypeBool ComputeScalars;
-  vtkTypeBool ComputeNormals;
-  int NumberOfThreads;
-  vtkMultiProcessController* Controller;
+  char* FileName = nullptr;
+  vtkTypeBool Preview = 0;
+  vtkTypeBool UseRegion = 0;
+  double RegionPosition[3] = { 0, 0, 0 };
+  double RegionLength[3] = { 1, 1, 1 };
+  vtkTypeBool ComputeScalars = 1;
+  vtkTypeBool ComputeNormals = 1;
+  int NumberOfThreads = 0;
+  vtkMultiProcessController* Controller = nullptr;
   std::unique_ptr<Internals> Internal;
 };
 

@@ -80,21 +80,6 @@ struct vtkBlockedVolumeWriter::Session
 
 //------------------------------------------------------------------------------
 vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
-  : FileName(nullptr)
-  , BlockSize(32)
-  , NumberOfStores(0)
-  , NumberOfReplicas(0)
-  , Distribution(GREEDY)
-  , RandomSeed(0)
-  , Compression(LZ4)
-  , CompressionLevel(0)
-  , MemoryLimit(0)
-  , ChooseArraysToWrite(false)
-  , WriteCellArrays(false)
-  , AppendTimeStep(false)
-  , WriteAllTimeSteps(false)
-  , Controller(nullptr)
-  , TimeIndex(0)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }

@@ -220,23 +220,23 @@ private:
 
   bool IsLastTimeStep() const;
 
-  char* FileName;
-  int BlockSize;
-  int NumberOfStores;
-  int NumberOfReplicas;
-  int Distribution;
-  int RandomSeed;
-  int Compression;
-  int CompressionLevel;
-  int MemoryLimit;
-  bool ChooseArraysToWrite;
-  bool WriteCellArrays;
-  bool AppendTimeStep;
-  bool WriteAllTimeSteps;
-  vtkMultiProcessController* Controller;
+  char* FileName = nullptr;
+  int BlockSize = 32;
+  int NumberOfStores = 0;
+  int NumberOfReplicas = 0;
+  int Distribution = GREEDY;
+  int RandomSeed = 0;
+  int Compression = LZ4;
+  int CompressionLevel = 0;
+  int MemoryLimit = 0;
+  bool ChooseArraysToWrite = false;
+  bool WriteCellArrays = false;
+  bool AppendTimeStep = false;
+  bool WriteAllTimeSteps = false;
+  vtkMultiProcessController* Controller = nullptr;
   vtkNew<vtkDataArraySelection> PointDataArraySelection;
   std::vector<double> TimeSteps; ///< that are to be written; empty for the one that is there
-  std::size_t TimeIndex;         ///< into TimeSteps
+  std::size_t TimeIndex = 0;     ///< into TimeSteps
   std::unique_ptr<Session> Writing;
 };
 

@@ -191,20 +191,20 @@ private:
 
   struct Steps; ///< of WriteData
 
-  char* FileName;
-  int Mode;
-  double MaximumError;
-  int QuantizationBits;
-  int Profile;
-  bool WriteArrays;
-  double ArrayError;
-  bool WriteNormals;
-  double NormalError;
-  int PreviewLevel;
-  int MemoryLimit;
-  bool WriteAllTimeSteps;
-  int NumberOfThreads;
-  vtkMultiProcessController* Controller;
+  char* FileName = nullptr;
+  int Mode = LOSSLESS;
+  double MaximumError = 0.01;
+  int QuantizationBits = 12;
+  int Profile = SMALL;
+  bool WriteArrays = true;
+  double ArrayError = 0;
+  bool WriteNormals = false;
+  double NormalError = 0.005;
+  int PreviewLevel = 3;
+  int MemoryLimit = 256;
+  bool WriteAllTimeSteps = false;
+  int NumberOfThreads = 0;
+  vtkMultiProcessController* Controller = nullptr;
 };
 
 #endif
