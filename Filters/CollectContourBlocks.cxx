@@ -12,6 +12,7 @@
 #include "vtkInformation.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Coding/BlockCoding/EdgeIndexProfile.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Ranks/Sharing/StoreRecovery.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -42,6 +43,19 @@ Status RunWithContourBlocks(
     });
   ReportWarning(reader, ranks, status, warning);
   return status;
+}
+
+int ChooseProfile(vtkObject* consumer, int number)
+{
+  const EdgeIndexProfile nearest = FindNearestProfile(number);
+  if (number != static_cast<int>(nearest))
+  {
+    vtkWarningWithObjectMacro(consumer,
+      "There is no profile " << number << " (1.0 had fast, 1, and compact, 2): "
+                             << (nearest == EdgeIndexProfile::Small ? "small" : "working")
+                             << " is used.");
+  }
+  return static_cast<int>(nearest);
 }
 
 Status ContourExecution::CollectBlocks(

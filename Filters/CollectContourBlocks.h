@@ -12,6 +12,7 @@
 #include <optional>
 
 class vtkAlgorithm;
+class vtkObject;
 class vtkStabbingContour;
 
 namespace isosurface
@@ -40,6 +41,10 @@ ISOSURFACEFILTERS_EXPORT Status CollectContourBlocks(vtkStabbingContour* contour
  */
 ISOSURFACEFILTERS_EXPORT Status RunWithContourBlocks(
   vtkAlgorithm* reader, Communicator& ranks, const std::function<Status(ContourBlocks&)>& step);
+
+/// The profile for a number that a script or state of any version may have. Warns as `consumer` if there is
+/// none of that number.
+ISOSURFACEFILTERS_EXPORT int ChooseProfile(vtkObject* consumer, int number);
 
 } // namespace isosurface
 

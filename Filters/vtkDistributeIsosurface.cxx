@@ -302,13 +302,7 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
 //------------------------------------------------------------------------------
 void vtkDistributeIsosurface::SetProfile(int profile)
 {
-  const auto nearest = static_cast<int>(isosurface::FindNearestProfile(profile));
-  if (profile != nearest)
-  {
-    vtkWarningMacro("There is no profile " << profile << " (1.0 had fast, 1, and compact, 2): "
-                                           << (nearest == SMALL ? "small" : "working")
-                                           << " is used.");
-  }
+  const int nearest = isosurface::ChooseProfile(this, profile);
   if (this->Profile != nearest)
   {
     this->Profile = nearest;

@@ -135,20 +135,6 @@ struct vtkEdgeIndexWriter::Steps
 
 //------------------------------------------------------------------------------
 vtkEdgeIndexWriter::vtkEdgeIndexWriter()
-  : FileName(nullptr)
-  , Mode(LOSSLESS)
-  , MaximumError(0.01)
-  , QuantizationBits(12)
-  , Profile(SMALL)
-  , WriteArrays(true)
-  , ArrayError(0)
-  , WriteNormals(false)
-  , NormalError(0.005)
-  , PreviewLevel(3)
-  , MemoryLimit(256)
-  , WriteAllTimeSteps(false)
-  , NumberOfThreads(0)
-  , Controller(nullptr)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
@@ -343,13 +329,7 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
 //------------------------------------------------------------------------------
 void vtkEdgeIndexWriter::SetProfile(int profile)
 {
-  const auto nearest = static_cast<int>(isosurface::FindNearestProfile(profile));
-  if (profile != nearest)
-  {
-    vtkWarningMacro("There is no profile " << profile << " (1.0 had fast, 1, and compact, 2): "
-                                           << (nearest == SMALL ? "small" : "working")
-                                           << " is used.");
-  }
+  const int nearest = isosurface::ChooseProfile(this, profile);
   if (this->Profile != nearest)
   {
     this->Profile = nearest;

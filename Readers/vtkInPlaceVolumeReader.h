@@ -23,7 +23,7 @@
 #ifndef vtkInPlaceVolumeReader_h
 #define vtkInPlaceVolumeReader_h
 
-#include "IsosurfaceWritersModule.h" // For export macro
+#include "IsosurfaceReadersModule.h" // For export macro
 #include "vtkBlockedVolumeReader.h"
 
 #include <array>    // For the window
@@ -42,7 +42,7 @@ enum class RefinementStage;
 
 class vtkStringArray;
 
-class ISOSURFACEWRITERS_EXPORT vtkInPlaceVolumeReader : public vtkBlockedVolumeReader
+class ISOSURFACEREADERS_EXPORT vtkInPlaceVolumeReader : public vtkBlockedVolumeReader
 {
 public:
   static vtkInPlaceVolumeReader* New();
@@ -51,10 +51,8 @@ public:
 
   ///@{
   /**
-   * A file of MetaImage, NRRD, NIfTI, MRC, TIFF, DICOM, HDF5, NetCDF or raw samples; a folder of Zarr
-   * or N5, or a file of metadata in it (.zgroup, .zattrs, .zarray, zarr.json, attributes.json); a
-   * folder with a series of DICOM or a stack of TIFF. FileName is that of the index, set by the
-   * update.
+   * A file or a folder of a format in Formats/Opener/VolumeFormat.cxx, or a file of metadata in a folder of
+   * Zarr or N5. FileName is that of the index, set by the update.
    */
   vtkSetFilePathMacro(SourceName);
   vtkGetFilePathMacro(SourceName);
@@ -175,19 +173,19 @@ private:
   /// Collective.
   bool PrepareVolume(isosurface::Communicator& ranks, double seconds);
 
-  char* SourceName;
-  char* Dataset;
-  char* RawSamples;
-  char* Axes;
-  char* IndexFolder;
-  int IndexMemory;
+  char* SourceName = nullptr;
+  char* Dataset = nullptr;
+  char* RawSamples = nullptr;
+  char* Axes = nullptr;
+  char* IndexFolder = nullptr;
+  int IndexMemory = 1024;
   std::string IndexText;
   vtkStringArray* Datasets;
-  vtkMTimeType CheckTime; ///< our MTime when the index was found to be up to date, or a sample read
-  vtkMTimeType TellTime;  ///< our MTime when SourceTimes were read
-  bool CoarseAllowed;
-  isosurface::RefinementStage Stage; ///< of the index
-  std::array<double, 10> Refinement;
+  vtkMTimeType CheckTime = 0; ///< our MTime when the index was found up to date, or a sample read
+  vtkMTimeType TellTime = 0;  ///< our MTime when SourceTimes were read
+  bool CoarseAllowed = false;
+  isosurface::RefinementStage Stage = {}; ///< of the index
+  std::array<double, 10> Refinement = {};
   std::string WindowSource; ///< the source whose window was looked for last
   std::optional<std::array<double, 2>> Window;
   std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown

@@ -48,7 +48,6 @@ using isosurface::Status;
 using isosurface::StatusCode;
 
 constexpr const char* Automatic = "automatic";
-constexpr std::uint64_t Mebibyte = 1024 * 1024;
 
 std::string ToText(const char* text)
 {
@@ -138,7 +137,7 @@ struct vtkInPlaceVolumeReader::Steps
   }
   std::uint64_t GetMemoryBytes() const
   {
-    return static_cast<std::uint64_t>(this->Reader.IndexMemory) * Mebibyte;
+    return static_cast<std::uint64_t>(this->Reader.IndexMemory) << 20;
   }
   void TellLeftOut(isosurface::Communicator& ranks, const std::string& leftOut) const
   {
@@ -320,18 +319,7 @@ Status vtkInPlaceVolumeReader::Steps::Grow(
 
 //------------------------------------------------------------------------------
 vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
-  : SourceName(nullptr)
-  , Dataset(nullptr)
-  , RawSamples(nullptr)
-  , Axes(nullptr)
-  , IndexFolder(nullptr)
-  , IndexMemory(1024)
-  , Datasets(vtkStringArray::New())
-  , CheckTime(0)
-  , TellTime(0)
-  , CoarseAllowed(false)
-  , Stage(RefinementStage::None)
-  , Refinement(isosurface::Refinement().ToValues())
+  : Datasets(vtkStringArray::New())
 {
 }
 
