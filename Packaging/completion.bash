@@ -1,4 +1,4 @@
-# Completion of blockvolume and edgeindex: the options that their own help names, and files.
+# Completion of blockvolume and edgeindex: the options and values that they name themselves, and files.
 _scalable_isosurface() {
   local cur prev words cword
   _init_completion || return
@@ -11,11 +11,9 @@ _scalable_isosurface() {
       ;;
   esac
   case "$prev" in
-    --type) COMPREPLY=($(compgen -W 'int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64' -- "$cur")) ;;
-    --compression) COMPREPLY=($(compgen -W 'none lz4 zstd' -- "$cur")) ;;
-    --distribution) COMPREPLY=($(compgen -W 'greedy balanced random slab' -- "$cur")) ;;
-    --unit) COMPREPLY=($(compgen -W 'm cm mm um nm angstrom inch' -- "$cur")) ;;
-    --block-size) COMPREPLY=($(compgen -W '16 32 64' -- "$cur")) ;;
+    --type | --compression | --distribution | --unit | --block-size)
+      COMPREPLY=($(compgen -W "$(blockvolume --values-of "${prev#--}" 2>/dev/null)" -- "$cur"))
+      ;;
     *)
       if [[ $cur == -* && $1 == *edgeindex && $cword -gt 1 ]]; then
         COMPREPLY=($(compgen -W "$("$1" "${words[1]}" --help 2>/dev/null | grep -o -- '--[a-z-]*')" -- "$cur"))

@@ -2,6 +2,7 @@
 #include "BlockVolumeOptions.h"
 
 #include "Formats/Source/TextFields.h"
+#include "Ground/Base/EnumeratorNames.h"
 #include "Ground/Volume/ValueType.h"
 #include "Storage/Distribution/BlockDistribution.h"
 #include "Storage/Record/BlockCompression.h"
@@ -56,6 +57,17 @@ appears in one step at the end; until then, and after an error, an older file st
 Status MakeError(const std::string& option, const std::string& reason)
 {
   return Status(StatusCode::InvalidArgument, option + ": " + reason);
+}
+
+/// What an option takes, for completion; nothing if it may be anything.
+std::string ListValues(const std::string& option)
+{
+  return option == "type"      ? ListEnumerators(GetValueTypeName, " ")
+    : option == "compression"  ? ListEnumerators(GetCodecName, " ")
+    : option == "distribution" ? ListEnumerators(GetDistributionName, " ")
+    : option == "unit"         ? ListEnumerators(GetLengthUnitName, " ")
+    : option == "block-size"   ? "16 32 64"
+                               : "";
 }
 
 std::vector<std::string> SplitAtCommas(const std::string& text)
@@ -206,9 +218,7 @@ void AddInputOptions(CLI::App& app, RawTexts& texts)
   app.add_option("--unit", texts.Unit, "Unit of both: m, cm, mm, um, nm, angstrom, inch, ...");
   app.option_defaults()->group("Samples without a header (x fastest, one array)");
   app.add_option("--dimensions", texts.Dimensions, "Number of samples, X,Y,Z");
-  app
-    .add_option(
-      "--type", texts.Type, "int8 uint8 int16 uint16 int32 uint32 int64 uint64 float32 float64")
+  app.add_option("--type", texts.Type, ListEnumerators(GetValueTypeName, " "))
     ->capture_default_str();
   app.add_option("--header-bytes", texts.HeaderBytes, "Bytes before the samples")
     ->capture_default_str();
@@ -298,9 +308,8 @@ Result<RawVolume> MakeRaw(const RawTexts& texts, const std::string& path)
   const auto type = FindValueType(texts.Type);
   if (!type)
   {
-    return MakeError("--type",
-      "\"" + texts.Type +
-        "\": none of int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64");
+    return MakeError(
+      "--type", "\"" + texts.Type + "\": none of " + ListEnumerators(GetValueTypeName, ", "));
   }
   if (texts.Name.empty())
   {
@@ -419,6 +428,8 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   app.add_option(
     "IN", options.Input, "The volume to read; with --info, --verify, --repair: IN.bvol");
   app.add_option("OUT", options.Output, "The blocked volume to write, OUT.bvol");
+  std::string completed;
+  app.add_option("--values-of", completed)->group(""); // for completion.bash
   AddWritingOptions(app, texts, options);
   AddDatasetOptions(app, texts, options);
   AddInputOptions(app, texts);
@@ -444,6 +455,12 @@ Result<BlockVolumeOptions> BlockVolumeOptions::Parse(int argc, const char* const
   catch (const CLI::ParseError& error)
   {
     return Status(StatusCode::InvalidArgument, error.what());
+  }
+  if (!completed.empty())
+  {
+    options.What = Command::Print;
+    options.Text = ListValues(completed) + "\n";
+    return options;
   }
   options.What = texts.IsInfo ? Command::Info
     : texts.IsVerify          ? Command::Verify

@@ -21,10 +21,10 @@ from edge_index_crossings import Crossings, EqualIntervals, MeanPrediction, Plan
 from edge_index_planes import PlaneCrossings, Planes, PlaneSigns, PlaneValues
 from edge_index_signs import MixedSigns, PreviewSigns
 from edge_index_values import Values, make_domain, round_to_float32
+from read_blocked_volume import TYPES
 from read_interval_tree import FormatError, check, hash64, read_file
 
-TYPE_NAMES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32",
-              "float64")
+TYPE_NAMES = tuple(TYPES)
 MODES = ("lossless", "bounded", "quantized", "smallest")
 PROFILES = {0: "small", 3: "working"}
 VERSIONS = (1, 2, 3)

@@ -144,6 +144,14 @@ class SettingsReachTheFile(Case):
         header = BlockedVolume(path).header
         self.assertEqual((header["compression"], header["stores"]), ("none", 2))
 
+    def test_each_value_that_completion_offers(self):
+        source = os.path.join(INPUTS, "a.mhd")
+        for option, number in (("block-size", 3), ("compression", 3), ("distribution", 4), ("type", 10), ("unit", 11)):
+            values = run("--values-of", option)[1].split()
+            self.assertEqual(len(values), number, option)
+            for value in values if option != "type" else ():
+                self.write(source, "o.bvol", "--" + option, value)
+
 
 class WritesVectorsAndTimeSteps(Case):
     def test_vectors(self):

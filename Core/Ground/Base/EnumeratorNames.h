@@ -33,6 +33,22 @@ std::optional<Enumeration> FindEnumerator(
   }
 }
 
+/// All names with a separator between them.
+template <typename Enumeration>
+std::string ListEnumerators(const char* (*getName)(Enumeration), const std::string& separator)
+{
+  std::string names;
+  for (std::uint8_t number = 0;; ++number)
+  {
+    const char* const name = getName(static_cast<Enumeration>(number));
+    if (!name)
+    {
+      return names;
+    }
+    names += (names.empty() ? "" : separator) + name;
+  }
+}
+
 } // namespace isosurface
 
 #endif
