@@ -106,8 +106,7 @@ public:
    * something new is coarse, and not final. PrepareRefinement then reads the exact one beside the
    * calling thread, and waits for it, but not longer than this. Refinement has the values of
    * Ranks/Query/Refinement.h, as the last call found them. The execution after Refine gives the exact
-   * image. All ranks call these
-   * together. DropRefinement stops the reading.
+   * image. All ranks call these together. DropRefinement stops the reading.
    */
   void AllowCoarse(vtkTypeBool allowed);
   int GetFinal();

@@ -38,6 +38,8 @@ public:
     Volume
   };
   static constexpr std::size_t NumberOfQuantities = 6;
+  /// Of the property Spectrum: an isovalue, then its quantities.
+  static constexpr std::size_t RowLength = 1 + NumberOfQuantities;
   using Columns = std::array<std::vector<double>, NumberOfQuantities>;
 
   SpectrumCurve() = default;

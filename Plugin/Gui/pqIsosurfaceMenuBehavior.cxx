@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqIsosurfaceMenuBehavior.h"
 
+#include "SpectrumCurve.h"
+
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
 #include "pqDataRepresentation.h"
@@ -24,7 +26,6 @@
 namespace
 {
 
-constexpr std::size_t RowLength = 7; ///< of the property Spectrum
 constexpr std::size_t Triangles = 1; ///< in a row
 constexpr double Decades = 100;      ///< more than this between the ends: a logarithmic axis
 constexpr double Headroom = 1.3;     ///< of the axis above the maximum
@@ -36,7 +37,7 @@ std::pair<double, double> FindTriangleRange(vtkSMSourceProxy* spectrum)
   spectrum->UpdatePropertyInformation(spectrum->GetProperty("Spectrum"));
   const std::vector<double> rows = vtkSMPropertyHelper(spectrum, "Spectrum").GetDoubleArray();
   std::pair<double, double> range(0, 0);
-  for (std::size_t at = Triangles; at < rows.size(); at += RowLength)
+  for (std::size_t at = Triangles; at < rows.size(); at += isosurface::SpectrumCurve::RowLength)
   {
     if (rows[at] > 0)
     {

@@ -3,6 +3,7 @@
 
 #include "ContourProxy.h"
 #include "PickedRows.h"
+#include "SpectrumCurve.h"
 #include "ValueAxis.h"
 #include "pqSpectrumSource.h"
 
@@ -34,8 +35,6 @@
 
 namespace
 {
-
-constexpr std::size_t PickedRowLength = 7; ///< of the property Spectrum, the isovalue first
 
 bool IsSource(const pqPipelineSource* source, const char* name)
 {
@@ -184,7 +183,7 @@ void pqSpectrumPickBehavior::Pick(pqOutputPort* port)
   spectrum->UpdatePropertyInformation(spectrum->GetProperty("Spectrum"));
   const std::vector<double> table = vtkSMPropertyHelper(spectrum, "Spectrum").GetDoubleArray();
   std::vector<double> column;
-  for (std::size_t at = 0; at < table.size(); at += PickedRowLength)
+  for (std::size_t at = 0; at < table.size(); at += isosurface::SpectrumCurve::RowLength)
   {
     column.push_back(table[at]);
   }

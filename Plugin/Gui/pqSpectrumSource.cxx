@@ -34,7 +34,7 @@ constexpr int SamplesCountedAtOnce = 1 << 21;
 /// answer.
 constexpr int PollMilliseconds = 20;
 constexpr int SliceMilliseconds = 60;
-constexpr std::size_t Columns = 1 + SpectrumCurve::NumberOfQuantities; ///< the isovalue first
+constexpr std::size_t Columns = SpectrumCurve::RowLength;
 /// Of SelectInputScalars: three numbers, the association, the array's name.
 constexpr int ContouredNameElement = 4;
 
