@@ -1,8 +1,9 @@
 # Makes pages for ParaView's help of the documentation for users, with its images. Needs cmark-gfm.
 #   isosurface_make_help_pages(<documentation folder> <output folder>)
 # The pages are in one folder, those of Documentation/reference, too.
-set(ISOSURFACE_HELP_PAGES tour window user-guide install writing in-place replicas command-line reading isosurfaces
-  samples levels choosing-isovalues edge-index many-ranks python cpp troubleshooting)
+file(GLOB ISOSURFACE_HELP_PAGES CONFIGURE_DEPENDS "${CMAKE_CURRENT_LIST_DIR}/../Documentation/reference/*.md")
+list(TRANSFORM ISOSURFACE_HELP_PAGES REPLACE ".*/(.*)\\.md" "\\1")
+list(PREPEND ISOSURFACE_HELP_PAGES tour window user-guide)
 
 # Gives headings the names that links have for them.
 function(isosurface_name_headings variable)
