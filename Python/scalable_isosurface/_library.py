@@ -32,7 +32,7 @@ def _sized(name: str, *fields: Tuple[str, Any]) -> Tuple[Callable[..., Any], Any
     def make(**values: Any) -> Any:
         made = sized(ctypes.sizeof(sized), **values)
         for member, value in values.items():
-            if isinstance(value, int) and getattr(made, member) != value:  # ctypes leaves bits out
+            if isinstance(value, int) and value >> 31 and getattr(made, member) != value:  # ctypes leaves bits out
                 raise ValueError(f"{member} is too large: {value}")
         return made
 
@@ -207,31 +207,42 @@ class _Call:
     """A call that reads or writes. It ends with what a callback has raised: a handler of a signal, a warning where
     these are errors, or a source."""
 
-    def __init__(self, threads: int = 0, caller: int = 0, told: Optional[List[str]] = None) -> None:
-        """`caller`: how many frames above the function with this call a warning is of. `told`: takes them instead."""
+    #: Calls that have ended, for the next ones: making callbacks takes longer than many a call.
+    _idle: List[_Call] = []
+
+    def __init__(self) -> None:
         self._raised: List[BaseException] = []
-
-        def warn(message: bytes) -> int:
-            if told is None:
-                warnings.warn(_text(message), stacklevel=3 + caller)
-            else:
-                told.append(_text(message))
-            return 0
-
+        self._caller = 0
+        self._told: Optional[List[str]] = None
         self._run = _make_run(
-            threads=threads,
-            progress=_Progress(self.listen(lambda _: 0, 1)),
-            warn=_Warn(self.listen(warn, 1)),
+            progress=_Progress(self.listen(lambda _: 0, 1)), warn=_Warn(self.listen(self._warn, 1))
         )
         self.run = byref(self._run)
+
+    @classmethod
+    def begin(cls, threads: int = 0, caller: int = 0, told: Optional[List[str]] = None) -> _Call:
+        """`caller`: how many frames above the function with this call a warning is of. `told`: takes them instead."""
+        try:
+            call = cls._idle.pop()
+        except IndexError:
+            call = cls()
+        call._run.threads = min(threads, (1 << 31) - 1)
+        call._caller = caller
+        call._told = told
+        return call
+
+    def _warn(self, message: bytes) -> int:
+        if self._told is None:
+            warnings.warn(_text(message), stacklevel=3 + self._caller)
+        else:
+            self._told.append(_text(message))
+        return 0
 
     def listen(self, step: Callable[[Any], int], failure: int) -> Callable[[Any], int]:
         """A callback that gives `failure` once the step has raised an exception.
 
         It is the function of a generator, which waits within its `try`: the exception of a signal is raised at the
         entry of a function of Python, where nobody but ctypes would catch it."""
-
-        raised = self._raised  # and not this call, which has the callback
 
         def wait() -> Iterator[Any]:
             answer: Optional[int] = None
@@ -242,7 +253,7 @@ class _Call:
                 except GeneratorExit:
                     return
                 except BaseException as error:  # pylint: disable=broad-except
-                    raised.append(error)
+                    self._raised.append(error)
                     answer = failure
 
         waiting: Any = wait()
@@ -253,8 +264,9 @@ class _Call:
         return self
 
     def __exit__(self, *_: Any) -> None:
-        if self._raised:
+        if self._raised:  # whoever clears its frames, as unittest does, ends the generators
             raise self._raised[0] from None
+        self._idle.append(self)
 
 
 class _Owned:
@@ -311,7 +323,7 @@ def find_kind(name: bytes) -> str:
 
 def _list_texts(function: Any, *arguments: bytes) -> List[str]:
     texts = _Owned(_Texts, _si.texts_free)
-    with _Call() as call:
+    with _Call.begin() as call:
         function(*arguments, call.run, texts.place)
     return [_text(text) for text in texts.pointer.contents.texts[: texts.pointer.contents.count]]
 
@@ -335,7 +347,7 @@ def open_surface(path: bytes) -> SurfaceFile:
 def write_index(path: bytes, axes: str, folder: bytes, memory: int, threads: int) -> str:
     """What of the file is left out."""
     told: List[str] = []
-    with _Call(threads, told=told) as call:
+    with _Call.begin(threads, told=told) as call:
         opening = _make_opening(axes=encode(axes), index_folder=folder)
         _si.write_index(path, byref(opening), memory, call.run)
     return "".join(told)
@@ -346,7 +358,7 @@ class VolumeFile:
 
     def __init__(self, path: bytes, opening: Any, threads: int) -> None:
         self._owned = _Owned(None, _si.volume_close)
-        with _Call(threads) as call:
+        with _Call.begin(threads) as call:
             _si.volume_open(path, byref(opening), call.run, self._owned.place)
         info = _si.volume_describe(self._owned.pointer).contents
         self.path: bytes = info.path
@@ -371,14 +383,14 @@ class VolumeFile:
         """`box`: members of si_box."""
         numbers = (c_int32 * len(components))(*components)
         whole = _make_box(component_count=len(components), components=numbers, **box)
-        with _Call(threads) as call:
+        with _Call.begin(threads) as call:
             memory = samples.__array_interface__["data"][0]
             _si.volume_read(self._owned.pointer, byref(whole), memory, samples.nbytes, call.run)
 
     def spectrum(self, scalar: Tuple[int, int, int, int]) -> Dict[str, Any]:
         """`scalar`: array, component, time step and level."""
         owner = _Owned(_Spectrum, _si.spectrum_free)
-        with _Call() as call:
+        with _Call.begin() as call:
             _si.volume_spectrum(self._owned.pointer, byref(_Scalar(*scalar)), call.run, owner.place)
         found = owner.pointer.contents
         quantities: Dict[str, Any] = {"isovalues": _view(owner, found.isovalues, "float64", found.count).copy()}
@@ -391,14 +403,14 @@ class VolumeFile:
     def active_blocks(self, **request: Any) -> numpy.ndarray:
         """The vertices of active blocks: number, axis (z, y, x), ends [low, high)."""
         owner = _Owned(_Boxes, _si.boxes_free)
-        with _Call(caller=2) as call:
+        with _Call.begin(caller=2) as call:
             _si.volume_find_blocks(self._owned.pointer, _request(**request), call.run, owner.place)
         boxes = _view(owner, owner.pointer.contents.boxes, "int64", owner.pointer.contents.count, 3, 2)
         return boxes[:, ::-1].copy()
 
     def isosurface(self, threads: int, normals: bool, **request: Any) -> Dict[str, Any]:
         owner = _Owned(_Surface, _si.surface_free)
-        with _Call(threads, caller=2) as call:
+        with _Call.begin(threads, caller=2) as call:
             _si.volume_extract(self._owned.pointer, _request(normals=normals, **request), call.run, owner.place)
         return _find_surface(owner, normals)
 
@@ -424,7 +436,7 @@ class SurfaceFile:
 
     def __init__(self, path: bytes) -> None:
         self._owned = _Owned(None, _si.surface_file_close)
-        with _Call() as call:
+        with _Call.begin() as call:
             _si.surface_file_open(path, call.run, self._owned.place)
         info = _si.surface_file_describe(self._owned.pointer).contents
         self.isovalues: List[float] = info.isovalues[: info.isovalue_count]
@@ -439,7 +451,7 @@ class SurfaceFile:
     def read(self, isovalues: Sequence[int], preview: bool, normals: bool, threads: int) -> Dict[str, Any]:
         numbers = (c_size_t * len(isovalues))(*isovalues)
         owner = _Owned(_Surface, _si.surface_free)
-        with _Call(threads) as call:
+        with _Call.begin(threads) as call:
             _si.surface_file_read(
                 self._owned.pointer, len(numbers), numbers, preview, normals, call.run, owner.place
             )
@@ -489,7 +501,7 @@ class VolumeWriting:
             _, source, kind, components, _ = steps[reading.step][reading.array]
             return _read_slice(source, reading, kind, components)
 
-        with _Call(self._threads, caller=3) as call:
+        with _Call.begin(self._threads, caller=3) as call:
             _si.write_volume(
                 self._path,
                 byref(self._grid),
@@ -505,7 +517,7 @@ class VolumeWriting:
 
     def write_file(self, file: VolumeFile, times: Sequence[Optional[float]]) -> None:
         """All time steps of a file."""
-        with _Call(self._threads, caller=3) as call:
+        with _Call.begin(self._threads, caller=3) as call:
             _si.volume_write(
                 file._owned.pointer,
                 self._path,
