@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause
  *
- * Prints what a volume is, cuts its middle slice, extracts an isosurface, and writes that as a text of points and
- * triangles (.obj).
+ * Prints what a volume is, reads its middle slice, and saves an isosurface (.stl, .ply, .glb or .obj).
  *
  *     cc -std=c99 surface_in_c.c -lscalable_isosurface -o surface_in_c
  *     ./surface_in_c head.nii.gz 300 head.obj
@@ -28,34 +27,11 @@ static int show_progress(double done, void* context)
   return 0; /* go on */
 }
 
-static int save(const si_surface* surface, const char* path)
-{
-  const float* points = surface->points;
-  const int32_t* corners = surface->corners;
-  FILE* file = fopen(path, "w");
-  if (!file)
-  {
-    perror(path);
-    return EXIT_FAILURE;
-  }
-  for (size_t point = 0; point < surface->point_count; ++point)
-  {
-    fprintf(file, "v %.9g %.9g %.9g\n", (double)points[3 * point], (double)points[3 * point + 1],
-      (double)points[3 * point + 2]);
-  }
-  for (size_t triangle = 0; triangle < surface->triangle_count; ++triangle)
-  {
-    fprintf(file, "f %" PRId32 " %" PRId32 " %" PRId32 "\n", corners[3 * triangle] + 1,
-      corners[3 * triangle + 1] + 1, corners[3 * triangle + 2] + 1);
-  }
-  return fclose(file) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
-}
-
 int main(int argc, char** argv)
 {
   if (argc != 4)
   {
-    fprintf(stderr, "usage: surface_in_c VOLUME ISOVALUE OUTPUT.obj\n");
+    fprintf(stderr, "usage: surface_in_c VOLUME ISOVALUE OUTPUT\n");
     return EXIT_FAILURE;
   }
   si_run run = { .size = sizeof(run) };
@@ -87,12 +63,12 @@ int main(int argc, char** argv)
   si_surface_request request = { .size = sizeof(request) };
   request.isovalue_count = 1;
   request.isovalues = &isovalue;
-  request.points = SI_FLOAT32;
+  request.normals = 1;
   si_surface* surface = NULL;
   check(si_volume_extract(volume, &request, &run, &surface));
   printf("the surface of %g has %zu triangles\n", isovalue, surface->triangle_count);
-  const int status = surface->corner_type == SI_INT32 ? save(surface, argv[3]) : EXIT_FAILURE;
+  check(si_surface_save(surface, argv[3], array->name, grid->length_unit, &run));
   si_surface_free(surface);
   si_volume_close(volume);
-  return status;
+  return EXIT_SUCCESS;
 }

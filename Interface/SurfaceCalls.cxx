@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Interface/VolumeHandle.h"
 
+#include "Coding/Meshes/SurfaceMeshes.h"
 #include "Formats/Files/SurfaceFile.h"
 #include "Formats/Files/SurfaceQueries.h"
 
@@ -248,6 +249,22 @@ si_status si_volume_extract(
 void si_surface_free(si_surface* surface)
 {
   delete static_cast<OwnedSurface*>(surface);
+}
+
+si_status si_surface_save(const si_surface* surface, const char* path, const char* name,
+  const char* length_unit, const si_run* run)
+{
+  return RunCall(ToText(path), run,
+    [&](Call&) -> Status
+    {
+      const LengthUnit unit = FindLengthUnit(ToText(length_unit));
+      EdgeIndexHeader header;
+      header.Array = ToText(name);
+      header.Isovalues.assign(surface->isovalues, surface->isovalues + surface->part_count);
+      return SaveSurface(GetLocalFileSystem(), static_cast<const OwnedSurface*>(surface)->Owned,
+        surface->normals != nullptr, header,
+        GetMeters(unit == LengthUnit::Unknown ? LengthUnit::Millimeter : unit), ToText(path));
+    });
 }
 
 si_status si_volume_write_surface(si_volume* volume, const si_surface_request* request,

@@ -33,6 +33,8 @@
  * to a pointer belongs to the caller, who gives it back to the function that its type names; that takes NULL, too.
  * What a structure points to lives as long as the structure.
  *
+ * Handles, and pointers to what a function gives, are not NULL.
+ *
  * Threads. Functions may be called by any number of threads at once, also with the same handle; but a handle is
  * given back once, when no other call uses it, and a si_growing belongs to one thread at a time. Callbacks are
  * called by the calling thread, but for si_reader, and never by two threads at once. A process that was forked
@@ -394,6 +396,13 @@ extern "C"
   /* Extracts isosurfaces; of several ranks, each gets its part. */
   SI_API si_status si_volume_extract(
     si_volume* volume, const si_surface_request* request, const si_run* run, si_surface** surface);
+
+  /* Saves a surface as .stl, .ply, .glb or .obj, by the end of the path: all but .obj in binary, with normals if it has
+   * them. A file that is there is replaced when the new one is complete. `name` is that of the surface, and `length_unit`
+   * that of the points, for .glb, which is in metres; NULL: none, and mm. A point that is not finite is
+   * SI_INVALID_ARGUMENT. */
+  SI_API si_status si_surface_save(const si_surface* surface, const char* path, const char* name,
+    const char* length_unit, const si_run* run);
 
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Edge-index files: surfaces in a few bits a point */

@@ -29,8 +29,6 @@ std::vector<std::uint8_t> EncodeNormals(
   return octahedral;
 }
 
-} // namespace
-
 CompressibleMesh OrderForCompression(const Mesh& mesh)
 {
   const std::size_t corners = 3 * mesh.NumberOfTriangles;
@@ -68,5 +66,10 @@ std::vector<std::uint8_t> EncodeVertices(const void* values, std::size_t count, 
   code.resize(meshopt_encodeVertexBuffer(code.data(), code.size(), values, count, stride));
   return code;
 }
+
+} // namespace
+
+const MeshCompression MeshoptimizerCompression = { OrderForCompression, EncodeTriangles,
+  EncodeVertices };
 
 } // namespace isosurface

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "EdgeIndexCommands.h"
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 #include "MeshWriteJob.h"
 #include "ProgressDisplay.h"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "MeshWriteJob.h"
 
+#include "Coding/Meshes/SurfaceMeshes.h"
+#include "CompressedMesh.h"
 #include "Ground/Volume/PointPrecision.h"
 #include "Ground/Volume/VertexPlaces.h"
 #include "SimplifiedMesh.h"
@@ -78,7 +80,7 @@ Status MeshWriteJob::Write(
   settings.Partial = partial;
   settings.MostMeshes = pieces.size() * header.Isovalues.size();
   settings.HasNormals = this->HasNormals;
-  settings.IsCompressed = this->Chosen.IsCompressed;
+  settings.Compression = this->Chosen.IsCompressed ? &MeshoptimizerCompression : nullptr;
   settings.UnitInMetres = this->Chosen.UnitInMetres;
   settings.HasDoublePoints = this->Origin.has_value();
   settings.Origin = this->Origin.value_or(Vector3{});
@@ -131,47 +133,16 @@ Status MeshWriteJob::WritePiece(
   const double aimOfPiece = static_cast<double>(this->Chosen.NumberOfTriangles) *
     static_cast<double>(piece.NumberOfPoints) /
     static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
-  const std::vector<float> local = this->MakeLocalPoints(surface);
-  std::vector<std::uint32_t> corners;
-  for (std::size_t isovalue = 0; isovalue < surface.Parts.size(); ++isovalue)
-  {
-    const SurfacePart& part = surface.Parts[isovalue];
-    corners.resize(3 * part.NumberOfCells);
-    for (std::size_t corner = 0; corner < corners.size(); ++corner)
+  return VisitMeshes(surface, this->Origin, this->HasNormals,
+    [&](Mesh& mesh)
     {
-      corners[corner] =
-        static_cast<std::uint32_t>(surface.Connectivity[3 * part.FirstCell + corner] -
-          static_cast<std::int64_t>(part.FirstPoint));
-    }
-    Mesh mesh;
-    mesh.Points = (this->Origin ? local.data() : surface.Points.GetData()) + 3 * part.FirstPoint;
-    mesh.DoublePoints =
-      this->Origin ? surface.DoublePoints.GetData() + 3 * part.FirstPoint : nullptr;
-    mesh.Normals = this->HasNormals ? surface.Normals.GetData() + 3 * part.FirstPoint : nullptr;
-    mesh.GlobalIds = surface.GlobalIds.GetData() + part.FirstPoint;
-    mesh.NumberOfPoints = part.NumberOfPoints;
-    mesh.Corners = corners.data();
-    mesh.NumberOfTriangles = part.NumberOfCells;
-    mesh.Isovalue = this->Chosen.Isovalues.empty() ? isovalue : this->Chosen.Isovalues[isovalue];
-    if (part.NumberOfCells > 0)
-    {
-      const auto aim = static_cast<std::size_t>(aimOfPiece *
-        static_cast<double>(part.NumberOfCells) / static_cast<double>(surface.NumberOfTriangles));
-      ISOSURFACE_RETURN_IF_ERROR(
-        this->WritePart(mesh, isSimplified ? aim : mesh.NumberOfTriangles, output));
-    }
-  }
-  return Status::Ok();
-}
-
-std::vector<float> MeshWriteJob::MakeLocalPoints(const Surface& surface) const
-{
-  std::vector<float> local(surface.DoublePoints.GetSize());
-  for (std::size_t value = 0; value < local.size(); ++value)
-  {
-    local[value] = static_cast<float>(surface.DoublePoints[value] - (*this->Origin)[value % 3]);
-  }
-  return local;
+      const auto aim =
+        static_cast<std::size_t>(aimOfPiece * static_cast<double>(mesh.NumberOfTriangles) /
+          static_cast<double>(surface.NumberOfTriangles));
+      mesh.Isovalue =
+        this->Chosen.Isovalues.empty() ? mesh.Isovalue : this->Chosen.Isovalues[mesh.Isovalue];
+      return this->WritePart(mesh, isSimplified ? aim : mesh.NumberOfTriangles, output);
+    });
 }
 
 Status MeshWriteJob::WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output)

@@ -5,7 +5,7 @@
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Volume/Vector3.h"
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 #include "SharedPoints.h"
 
 #include <cstdint>
@@ -48,8 +48,6 @@ public:
 private:
   std::vector<SurfacePiece> FindPieces() const;
   Status WritePiece(const SurfacePiece& piece, MeshFile& output, const Progress& progress);
-  /// The points of a surface as float32 from the origin on; none if they are float32.
-  std::vector<float> MakeLocalPoints(const Surface& surface) const;
   /// Simplifies a mesh to about `triangles`, if it has more, and writes it.
   Status WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output);
 

@@ -3,7 +3,7 @@
 #define isosurface_SharedPoints_h
 
 #include "Ground/Volume/VertexBox.h"
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 #include "SurfacePieces.h"
 
 #include <cstdint>

@@ -2,7 +2,7 @@
 #ifndef isosurface_SimplifiedMesh_h
 #define isosurface_SimplifiedMesh_h
 
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 
 #include <cstddef>
 #include <cstdint>

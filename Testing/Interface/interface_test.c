@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -200,6 +201,15 @@ static void extract(void)
     CHECK(fabsf(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2] - 1) < 1e-3f);
   }
   const size_t triangles = surface->triangle_count;
+  char saved[4200];
+  snprintf(saved, sizeof(saved), "%s.stl", eix);
+  OK(si_surface_save(surface, saved, "ct", "mm", NULL));
+  struct stat file_state;
+  CHECK(stat(saved, &file_state) == 0 && (size_t)file_state.st_size == 84 + 50 * triangles);
+  CHECK(si_surface_save(surface, eix, NULL, NULL, NULL) == SI_INVALID_ARGUMENT &&
+    strstr(si_error(), ".glb"));
+  ((float*)surface->points)[0] = NAN;
+  CHECK(si_surface_save(surface, saved, NULL, NULL, NULL) == SI_INVALID_ARGUMENT);
   si_surface_free(surface);
 
   double estimated = 0;

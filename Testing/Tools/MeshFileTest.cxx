@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
+
+#include "CompressedMesh.h"
 
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/Require.h"
@@ -103,7 +105,7 @@ TEST(MeshFile, IsRefusedBeforeItIsCreatedIfItsFormatHasNoRoom)
   }
   MeshFile::Settings settings = MakeSettings("some.glb", 160'000'000);
   EXPECT_FALSE(MeshFile::CheckLimits(settings).IsOk()) << "36 bytes a point are above 4 GiB";
-  settings.IsCompressed = true;
+  settings.Compression = &MeshoptimizerCompression;
   EXPECT_TRUE(MeshFile::CheckLimits(settings).IsOk());
   EXPECT_TRUE(MeshFile::CheckLimits(MakeSettings("some.ply", 160'000'000)).IsOk());
   EXPECT_TRUE(MeshFile::CheckLimits(MakeSettings("some.stl", 160'000'000)).IsOk());

@@ -2,7 +2,7 @@
 #ifndef isosurface_PlyFile_h
 #define isosurface_PlyFile_h
 
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 
 namespace isosurface
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "StlFile.h"
+#include "Coding/Meshes/StlFile.h"
 
 #include "Ground/Base/Coding.h"
 

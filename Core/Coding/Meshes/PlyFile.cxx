@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PlyFile.h"
+#include "Coding/Meshes/PlyFile.h"
 
 #include "Ground/Base/Coding.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ObjFile.h"
+#include "Coding/Meshes/ObjFile.h"
 
 #include <cstdio>
 #include <limits>

@@ -2,7 +2,7 @@
 #ifndef isosurface_GlbFile_h
 #define isosurface_GlbFile_h
 
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 
 #include <nlohmann/json.hpp>
 
@@ -64,7 +64,7 @@ private:
   std::unique_ptr<WritableFile> File;
   const EdgeIndexHeader& Header;
   bool HasNormals;
-  bool IsCompressed;
+  const MeshCompression* Compression; ///< null: none
   double UnitInMetres;
   Vector3 Origin; ///< of the points
   std::size_t JsonBytes;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "GlbFile.h"
+#include "Coding/Meshes/GlbFile.h"
 
-#include "CompressedMesh.h"
 #include "Ground/Base/Coding.h"
 
 #include <algorithm>
@@ -28,7 +27,7 @@ constexpr int ArrayBuffer = 34962;
 constexpr int ElementArrayBuffer = 34963;
 constexpr int Triangles = 4;
 
-constexpr const char* Compression = "EXT_meshopt_compression";
+constexpr const char* CompressionName = "EXT_meshopt_compression";
 
 /// Room for the JSON text: of what all files have, of an isovalue, of a mesh.
 std::size_t FindJsonBytes(const EdgeIndexHeader& header, std::size_t meshes)
@@ -113,7 +112,7 @@ GlbFile::GlbFile(
   : File(std::move(file))
   , Header(header)
   , HasNormals(settings.HasNormals)
-  , IsCompressed(settings.IsCompressed)
+  , Compression(settings.Compression)
   , UnitInMetres(settings.UnitInMetres)
   , Origin(settings.Origin)
   , JsonBytes(FindJsonBytes(header, settings.MostMeshes))
@@ -147,18 +146,19 @@ Status GlbFile::AppendView(const View& view)
 {
   const std::size_t bytes = view.Count * view.Stride;
   const std::uint64_t offset = this->GetBinaryBytes();
-  Json json = { { "buffer", this->IsCompressed ? 1 : 0 },
-    { "byteOffset", this->IsCompressed ? this->PlainBytes : offset }, { "byteLength", bytes },
+  Json json = { { "buffer", this->Compression ? 1 : 0 },
+    { "byteOffset", this->Compression ? this->PlainBytes : offset }, { "byteLength", bytes },
     { "target", view.IsOfIndices ? ElementArrayBuffer : ArrayBuffer } };
   if (!view.IsOfIndices)
   {
     json["byteStride"] = view.Stride;
   }
-  if (this->IsCompressed)
+  if (this->Compression)
   {
     const std::vector<std::uint8_t> code = view.IsOfIndices
-      ? EncodeTriangles(static_cast<const std::uint32_t*>(view.Bytes), view.Count)
-      : EncodeVertices(view.Bytes, view.Count, view.Stride);
+      ? this->Compression->EncodeTriangles(
+          static_cast<const std::uint32_t*>(view.Bytes), view.Count)
+      : this->Compression->EncodeVertices(view.Bytes, view.Count, view.Stride);
     ISOSURFACE_RETURN_IF_ERROR(this->AppendBytes(code.data(), code.size()));
     Json extension = { { "buffer", 0 }, { "byteOffset", offset }, { "byteLength", code.size() },
       { "byteStride", view.Stride }, { "count", view.Count },
@@ -167,7 +167,7 @@ Status GlbFile::AppendView(const View& view)
     {
       extension["filter"] = view.Filter;
     }
-    json["extensions"][Compression] = extension;
+    json["extensions"][CompressionName] = extension;
   }
   else
   {
@@ -235,7 +235,7 @@ Status GlbFile::AppendPlain(const Mesh& mesh)
 
 Status GlbFile::AppendCompressed(const Mesh& mesh)
 {
-  const CompressibleMesh ordered = OrderForCompression(mesh);
+  const CompressibleMesh ordered = this->Compression->Order(mesh);
   const std::size_t points = ordered.Points.size() / 3;
   ISOSURFACE_RETURN_IF_ERROR(
     this->AppendView({ ordered.Points.data(), points, 3 * sizeof(float), false, nullptr }));
@@ -262,7 +262,7 @@ Status GlbFile::Append(const Mesh& given, const PointNumbers&)
     mesh.Normals = normals.data();
   }
   ISOSURFACE_RETURN_IF_ERROR(
-    this->IsCompressed ? this->AppendCompressed(mesh) : this->AppendPlain(mesh));
+    this->Compression ? this->AppendCompressed(mesh) : this->AppendPlain(mesh));
   this->AddPrimitive(mesh.Isovalue);
   return Status::Ok();
 }
@@ -303,12 +303,12 @@ std::string GlbFile::MakeJson() const
   json["accessors"] = this->Accessors;
   json["bufferViews"] = this->Views;
   json["buffers"] = Json::array({ Json::object({ { "byteLength", this->GetBinaryBytes() } }) });
-  if (this->IsCompressed)
+  if (this->Compression)
   {
     Json fallback = Json::object({ { "byteLength", this->PlainBytes } });
-    fallback["extensions"][Compression]["fallback"] = true;
+    fallback["extensions"][CompressionName]["fallback"] = true;
     json["buffers"].push_back(fallback);
-    json["extensionsUsed"] = { Compression, "KHR_mesh_quantization" };
+    json["extensionsUsed"] = { CompressionName, "KHR_mesh_quantization" };
     json["extensionsRequired"] = json["extensionsUsed"];
   }
   // Names that are no UTF-8 must not end the file.

@@ -2,7 +2,7 @@
 #ifndef isosurface_ObjFile_h
 #define isosurface_ObjFile_h
 
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 
 namespace isosurface
 {

@@ -2,7 +2,7 @@
 #ifndef isosurface_StlFile_h
 #define isosurface_StlFile_h
 
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 
 namespace isosurface
 {

@@ -30,6 +30,26 @@ struct Mesh
   std::size_t Isovalue = 0; ///< its number in the header of the edge-index file
 };
 
+/// A mesh in an order in which its compression is good.
+struct CompressibleMesh
+{
+  std::vector<float> Points;
+  std::vector<std::uint8_t> OctahedralNormals; ///< 4 bytes a point; empty without normals
+  std::vector<std::uint32_t> Corners;
+};
+
+/// How arrays are compressed (EXT_meshopt_compression), for a program that has a library for it.
+struct MeshCompression
+{
+  /// The same triangles in another order, and the points that they use.
+  CompressibleMesh (*Order)(const Mesh& mesh);
+  /// The code for corners of triangles.
+  std::vector<std::uint8_t> (*EncodeTriangles)(const std::uint32_t* corners, std::size_t count);
+  /// That for values of points, `stride` bytes each, a multiple of 4.
+  std::vector<std::uint8_t> (*EncodeVertices)(
+    const void* values, std::size_t count, std::size_t stride);
+};
+
 /// The numbers in the whole surface of a mesh's points. Those from First on are new, and follow each
 /// other in the order of the mesh.
 struct PointNumbers
@@ -47,16 +67,16 @@ class MeshFile
 public:
   struct Settings
   {
-    std::string Path;             ///< its end names the format
-    std::string Partial;          ///< where the file is written
-    std::size_t MostMeshes = 0;   ///< that will be appended
-    bool HasNormals = false;      ///< every mesh has them
-    bool IsCompressed = false;    ///< only of .glb
-    double UnitInMetres = 0.001;  ///< of the points; for .glb
-    bool HasDoublePoints = false; ///< every mesh has them
-    Vector3 Origin{};             ///< from which float32 points count; 0 unless there are others
-    std::uint64_t Points = 0;     ///< about how many will be appended
-    std::uint64_t Triangles = 0;  ///< likewise
+    std::string Path;                             ///< its end names the format
+    std::string Partial;                          ///< where the file is written
+    std::size_t MostMeshes = 0;                   ///< that will be appended
+    bool HasNormals = false;                      ///< every mesh has them
+    const MeshCompression* Compression = nullptr; ///< only of .glb; null: none
+    double UnitInMetres = 0.001;                  ///< of the points; for .glb
+    bool HasDoublePoints = false;                 ///< every mesh has them
+    Vector3 Origin{};            ///< from which float32 points count; 0 unless there are others
+    std::uint64_t Points = 0;    ///< about how many will be appended
+    std::uint64_t Triangles = 0; ///< likewise
   };
 
   /// About the bytes that the file will have; a maximum if it is compressed.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "MeshFile.h"
+#include "Coding/Meshes/MeshFile.h"
 
-#include "GlbFile.h"
-#include "ObjFile.h"
-#include "PlyFile.h"
-#include "StlFile.h"
+#include "Coding/Meshes/GlbFile.h"
+#include "Coding/Meshes/ObjFile.h"
+#include "Coding/Meshes/PlyFile.h"
+#include "Coding/Meshes/StlFile.h"
 
 #include <limits>
 #include <sstream>
@@ -76,7 +76,7 @@ Status MeshFile::CheckLimits(const Settings& settings)
     return refuse(settings.Points, "points; a .ply file has at most 4,294,967,295");
   }
   const std::uint64_t bytes = EstimateBytes(settings);
-  return EndsIn(settings.Path, ".glb") && !settings.IsCompressed && isBeyond(bytes)
+  return EndsIn(settings.Path, ".glb") && !settings.Compression && isBeyond(bytes)
     ? refuse(bytes >> 20, "MiB; a .glb file has at most 4096 MiB, and --compress makes it smaller")
     : Status::Ok();
 }
