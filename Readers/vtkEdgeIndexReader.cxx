@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkEdgeIndexReader.h"
 
+#include "vtkDoubleArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
 #include "vtkMatrix3x3.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -89,6 +91,7 @@ struct vtkEdgeIndexReader::Internals
   std::unique_ptr<isosurface::EdgeIndexFile> File; ///< null if it could not be opened
   vtkMTimeType OpenTime = 0;                       ///< the reader's MTime when File was opened
   std::string OpenError;                           ///< what kept it from being opened
+  vtkNew<vtkDoubleArray> ContourValues;
 
   explicit Internals(vtkEdgeIndexReader& reader)
     : Reader(reader)
@@ -125,6 +128,12 @@ int vtkEdgeIndexReader::CanReadFile(const char* fileName)
   char head[8] = {};
   return file.IsOk() && (*file)->Read(0, sizeof(head), head).IsOk() &&
     std::memcmp(head, "EIXcode\n", sizeof(head)) == 0;
+}
+
+//------------------------------------------------------------------------------
+vtkDoubleArray* vtkEdgeIndexReader::GetContourValues()
+{
+  return this->Internal->ContourValues;
 }
 
 //------------------------------------------------------------------------------
@@ -173,12 +182,21 @@ int vtkEdgeIndexReader::RequestInformation(
   outInfo->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
   outInfo->Remove(Pipeline::TIME_STEPS());
   outInfo->Remove(Pipeline::TIME_RANGE());
+  this->Internal->ContourValues->Reset();
   // What fails here fails in RequestData, too, where all ranks agree on it.
-  if (this->Internal->OpenFile().IsOk() && this->Internal->File->GetHeader().Time)
+  if (!this->Internal->OpenFile().IsOk())
   {
-    const double time = *this->Internal->File->GetHeader().Time;
-    const double range[2] = { time, time };
-    outInfo->Set(Pipeline::TIME_STEPS(), &time, 1);
+    return 1;
+  }
+  const isosurface::EdgeIndexHeader& header = this->Internal->File->GetHeader();
+  for (const double isovalue : header.Isovalues)
+  {
+    this->Internal->ContourValues->InsertNextValue(isovalue);
+  }
+  if (header.Time)
+  {
+    const double range[2] = { *header.Time, *header.Time };
+    outInfo->Set(Pipeline::TIME_STEPS(), range, 1);
     outInfo->Set(Pipeline::TIME_RANGE(), range, 2);
   }
   return 1;

@@ -25,6 +25,7 @@
 
 #include <memory> // For the file
 
+class vtkDoubleArray;
 class vtkMultiProcessController;
 
 class ISOSURFACEREADERS_EXPORT vtkEdgeIndexReader : public vtkPolyDataAlgorithm
@@ -46,6 +47,12 @@ public:
    * Whether the file begins as an edge-index file does (of any version).
    */
   static int CanReadFile(const char* fileName);
+
+  /**
+   * The isovalues of the file, in the order of its isosurfaces, once UpdateInformation has been called;
+   * none if the file cannot be read. The array belongs to the reader.
+   */
+  vtkDoubleArray* GetContourValues();
 
   ///@{
   /**

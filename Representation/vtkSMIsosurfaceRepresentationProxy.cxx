@@ -12,6 +12,7 @@
 #include "vtkPVDataInformation.h"
 #include "vtkPVDataSetAttributesInformation.h"
 #include "vtkPVGeneralSettings.h"
+#include "vtkSMProperty.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSourceProxy.h"
 #include "vtkSMTransferFunctionManager.h"
@@ -22,6 +23,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
+#include <string>
 #include <vector>
 
 using isosurface::IsovalueCategory;
@@ -92,6 +94,22 @@ bool IsNamed(vtkSMProxy* proxy, const char* name)
   return proxy && proxy->GetXMLName() && std::strcmp(proxy->GetXMLName(), name) == 0;
 }
 
+bool IsContour(vtkSMProxy* proxy)
+{
+  return IsNamed(proxy, "Isosurface") || IsNamed(proxy, "StabbingContour");
+}
+
+// The isovalues of a filter, or of the file that a reader has open.
+std::vector<double> ReadIsovalues(vtkSMProxy* contour)
+{
+  vtkSMProperty* isovalues = contour->GetProperty("ContourValues");
+  if (isovalues->GetInformationOnly())
+  {
+    isovalues->GetParent()->UpdatePropertyInformation(isovalues);
+  }
+  return vtkSMPropertyHelper(isovalues).GetDoubleArray();
+}
+
 bool LegendsComeByThemselves()
 {
   return vtkPVGeneralSettings::GetInstance()->GetScalarBarMode() ==
@@ -130,8 +148,7 @@ vtkSMProxy* vtkSMIsosurfaceRepresentationProxy::FindColoringContour()
   }
   vtkSMPropertyHelper shown(this, "ColorArrayName");
   if (vtkSMPropertyHelper(this, "IsosurfaceColors").GetAsInt() == 0 ||
-    !(IsNamed(contour, "Isosurface") || IsNamed(contour, "StabbingContour")) ||
-    !this->GetUsingScalarColoring() || shown.GetInputArrayAssociation() != vtkDataObject::POINT ||
+    !(IsContour(contour) || IsNamed(contour, "EdgeIndexReader")) || !this->GetUsingScalarColoring() || shown.GetInputArrayAssociation() != vtkDataObject::POINT ||
     vtkSMPropertyHelper(contour, "ComputeScalars").GetAsInt() == 0)
   {
     return nullptr;
@@ -145,8 +162,9 @@ bool vtkSMIsosurfaceRepresentationProxy::ShowsIsovalues(
 {
   const char* shown =
     vtkSMPropertyHelper(representation, "ColorArrayName").GetInputArrayNameToProcess();
-  const char* contoured =
-    vtkSMPropertyHelper(contour, "SelectInputScalars").GetInputArrayNameToProcess();
+  const char* contoured = IsContour(contour)
+    ? vtkSMPropertyHelper(contour, "SelectInputScalars").GetInputArrayNameToProcess()
+    : nullptr;
   vtkSMPropertyHelper input(representation, "Input");
   auto* surface = vtkSMSourceProxy::SafeDownCast(input.GetAsProxy());
   if (surface && (!contoured || *contoured == '\0'))
@@ -205,16 +223,20 @@ void vtkSMIsosurfaceRepresentationProxy::UpdateColors(vtkSMProxy* view, vtkSMPro
   std::array<double, 3> plain{};
   vtkSMPropertyHelper(this, "DiffuseColor").Get(plain.data(), 3);
   const std::vector<IsovalueCategory> old = ReadCategories(map);
-  const std::vector<double> isovalues =
-    vtkSMPropertyHelper(contour, "ContourValues").GetDoubleArray();
+  const std::vector<double> isovalues = ReadIsovalues(contour);
   // The server is asked for the unit only if something is new.
   if (isosurface::FollowIsovalues(old, isovalues, "", plain) == old)
   {
     return;
   }
-  contour->UpdatePropertyInformation(contour->GetProperty("Unit"));
-  const std::vector<IsovalueCategory> categories = isosurface::FollowIsovalues(
-    old, isovalues, vtkSMPropertyHelper(contour, "Unit").GetAsString(), plain);
+  std::string unit; // which an edge-index file does not know
+  if (IsContour(contour))
+  {
+    contour->UpdatePropertyInformation(contour->GetProperty("Unit"));
+    unit = vtkSMPropertyHelper(contour, "Unit").GetAsString();
+  }
+  const std::vector<IsovalueCategory> categories =
+    isosurface::FollowIsovalues(old, isovalues, unit, plain);
   const int wasTranslucent = vtkSMPropertyHelper(map, "EnableOpacityMapping").GetAsInt();
   WriteCategories(map, categories);
   if (vtkSMPropertyHelper(map, "EnableOpacityMapping").GetAsInt() != wasTranslucent)

@@ -12,8 +12,8 @@
  * color of surfaces without colors. In a CT, isovalues of tissues look as these usually do.
  *
  * All of it is in ParaView's own properties of the color map, and happens when a view updates: the
- * same in the window, in scripts, and through a server. Surfaces are those of Isosurface, and of
- * Distribute Isosurface behind it.
+ * same in the window, in scripts, and through a server. Surfaces are those of Isosurface, of
+ * Distribute Isosurface behind it, and of edge-index files, which know no tissues.
  */
 
 #ifndef vtkSMIsosurfaceRepresentationProxy_h
@@ -32,8 +32,8 @@ public:
 
   void ViewUpdated(vtkSMProxy* view) override;
 
-  /// Whether a representation colors a surface by its isovalues: by the array that the contour was told, or,
-  /// if it was told none, by the scalars of the surface.
+  /// Whether a representation colors a surface by its isovalues: by the array that the contour (a filter, or
+  /// the reader of an edge-index file) was told, or, if it was told none, by the scalars of the surface.
   static bool ShowsIsovalues(vtkSMProxy* representation, vtkSMProxy* contour);
 
 protected:
@@ -44,7 +44,7 @@ private:
   vtkSMIsosurfaceRepresentationProxy(const vtkSMIsosurfaceRepresentationProxy&) = delete;
   void operator=(const vtkSMIsosurfaceRepresentationProxy&) = delete;
 
-  /// The filter whose isovalues color the surface; null if something else does.
+  /// The filter or reader whose isovalues color the surface; null if something else does.
   vtkSMProxy* FindColoringContour();
   /// Takes the color map of this representation alone, or that of all that show the array; the legend
   /// goes with it.

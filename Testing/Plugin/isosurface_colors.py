@@ -257,6 +257,23 @@ class IsosurfaceColors(testing.TestCase):
         display.LookupTable.EnableOpacityMapping = 0
         self.assertGreater(int((abs(image - draw(view)) > 3).any(axis=2).sum()), 3000)
 
+    def test_a_surface_that_is_opened_from_a_file_has_the_same_colors(self):
+        path = testing.output("colors.eix")
+        view = self.make_view()
+        display = simple.Show(self.surface, view)
+        simple.Render(view)
+        expected = read_categories(display)
+        simple.Hide(self.surface, view)
+        simple.SaveData(path, proxy=self.surface)
+        file = simple.OpenDataFile(path)
+        display = simple.Show(file, view)
+        simple.Render(view)
+        self.assertEqual(read_categories(display), expected)
+        simple.SaveData(path, proxy=self.contour([150.5, 210.1]))
+        simple.ReloadFiles(file)
+        simple.Render(view)
+        self.assertEqual(read_categories(display), expected[1:])
+
     def test_a_distributed_surface_has_the_same_colors(self):
         view = self.make_view()
         display = simple.Show(simple.DistributeIsosurface(Input=self.surface), view)
