@@ -5,11 +5,14 @@
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
 #include "pqView.h"
+#include "vtkPVXMLElement.h" // of signals
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMProxyLocator.h" // of signals
 #include "vtkSMSessionProxyManager.h"
 #include "vtkSMViewProxy.h"
 
 #include <algorithm>
+#include <memory>
 
 namespace isosurface
 {
@@ -30,20 +33,30 @@ bool IsStateLoading()
 
 void DrawWholeUntilLoaded(pqView* view)
 {
-  vtkSMPropertyHelper property(view->getProxy(), ResizeDelay, /*quiet*/ true);
-  const double delay = property.GetAsDouble();
-  if (!IsStateLoading() || !(delay > 0))
+  if (!IsStateLoading())
   {
     return;
   }
-  property.Set(0.0);
   auto* held = new QObject(view);
+  const auto delay = std::make_shared<double>(0);
+  const auto hold = [view, delay]
+  {
+    vtkSMPropertyHelper property(view->getProxy(), ResizeDelay, /*quiet*/ true);
+    if (property.GetAsDouble() > 0)
+    {
+      *delay = property.GetAsDouble();
+      property.Set(0.0);
+    }
+  };
+  hold();
+  // In ParaView 6.1 the view gets the delay of the state only now.
+  QObject::connect(pqApplicationCore::instance(), &pqApplicationCore::stateLoaded, held, hold);
   QObject::connect(view, &pqView::endRender, held,
     [view, held, delay]
     {
       if (!IsStateLoading())
       {
-        vtkSMPropertyHelper(view->getProxy(), ResizeDelay).Set(delay);
+        vtkSMPropertyHelper(view->getProxy(), ResizeDelay, /*quiet*/ true).Set(*delay);
         held->deleteLater();
       }
     });

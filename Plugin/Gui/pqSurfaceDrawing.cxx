@@ -26,6 +26,9 @@
 namespace
 {
 
+// Whether a view has shown an image. The first one is never held: ParaView 6.1 would show none after it.
+constexpr const char* WasDrawn = "IsosurfaceWasDrawn";
+
 const pqServerManagerModel* GetPipelineModel()
 {
   return pqApplicationCore::instance()->getServerManagerModel();
@@ -126,8 +129,8 @@ void pqSurfaceDrawing::HoldImage(vtkObject* interactor, unsigned long event)
   }
   for (pqView* view : GetPipelineModel()->findItems<pqView*>())
   {
-    if (IsDrawnHere(view) && GetInteractor(view) == interactor &&
-      FindView(view)->GetUseLODForInteractiveRender())
+    if (view->property(WasDrawn).toBool() && IsDrawnHere(view) &&
+      GetInteractor(view) == interactor && FindView(view)->GetUseLODForInteractiveRender())
     {
       FindView(view)->SuppressRenderingOn();
       this->Held = view;
@@ -270,6 +273,7 @@ void pqSurfaceDrawing::Forget()
     this->IsImageHeld = true;
     return;
   }
+  view->setProperty(WasDrawn, true);
   this->Views.removeAll(view);
   this->Portions = 0;
 }
