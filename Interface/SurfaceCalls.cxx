@@ -109,6 +109,14 @@ Result<TakenRequest> TakeRequest(
   {
     return Status(StatusCode::InvalidArgument, "there is no isovalue");
   }
+  const bool areKnown =
+    (taken.points == 0 || taken.points == SI_FLOAT32 || taken.points == SI_FLOAT64) &&
+    taken.island_size >= SI_BY_TRIANGLES && taken.island_size <= SI_BY_VOLUME;
+  if (!areKnown)
+  {
+    return Status(StatusCode::InvalidArgument,
+      "si_surface_request: there is no such type of points, or no such size of islands");
+  }
   request.Isovalues.assign(taken.isovalues, taken.isovalues + taken.isovalue_count);
   request.Attributes.assign(taken.attributes, taken.attributes + taken.attribute_count);
   for (const std::size_t array : request.Attributes)
@@ -257,7 +265,7 @@ si_status si_surface_save(const si_surface* surface, const char* path, const cha
   return RunCall(ToText(path), run,
     [&](Call&) -> Status
     {
-      const LengthUnit unit = FindLengthUnit(ToText(length_unit));
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto unit, TakeUnit(length_unit));
       EdgeIndexHeader header;
       header.Array = ToText(name);
       header.Isovalues.assign(surface->isovalues, surface->isovalues + surface->part_count);

@@ -89,18 +89,23 @@ Result<ContouredSamples> si_volume::Find(const si_scalar& scalar) const
 namespace isosurface
 {
 
+Result<LengthUnit> TakeUnit(const char* name)
+{
+  const LengthUnit unit = FindLengthUnit(ToText(name));
+  if (unit == LengthUnit::Unknown && !ToText(name).empty())
+  {
+    return Status(StatusCode::InvalidArgument,
+      "length_unit: " + ToText(name) + " is no unit of length, as m, mm, um, nm or inch");
+  }
+  return unit;
+}
+
 Result<LevelDescription> TakeGrid(const si_grid* given)
 {
   ISOSURFACE_ASSIGN_OR_RETURN(const auto taken, TakeStructure(given, "si_grid"));
   LevelDescription made;
   GridGeometry& grid = made.Grid;
-  const std::string unit = ToText(taken.length_unit);
-  grid.Unit = FindLengthUnit(unit);
-  if (grid.Unit == LengthUnit::Unknown && !unit.empty())
-  {
-    return Status(StatusCode::InvalidArgument,
-      "length_unit: " + unit + " is no unit of length, as m, mm, um, nm or inch");
-  }
+  ISOSURFACE_ASSIGN_OR_RETURN(grid.Unit, TakeUnit(taken.length_unit));
   std::copy(std::begin(taken.direction), std::end(taken.direction), grid.Direction.begin());
   std::copy(std::begin(taken.spacing), std::end(taken.spacing), grid.Spacing.begin());
   std::copy(std::begin(taken.origin), std::end(taken.origin), grid.Origin.begin());
@@ -139,7 +144,7 @@ Result<OpeningChoice> TakeOpening(const si_opening* given)
   choice.Place.Origin = three(taken.origin);
   if (taken.length_unit)
   {
-    choice.Place.Unit = FindLengthUnit(taken.length_unit);
+    ISOSURFACE_ASSIGN_OR_RETURN(choice.Place.Unit, TakeUnit(taken.length_unit));
   }
   return choice;
 }

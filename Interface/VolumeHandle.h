@@ -44,6 +44,8 @@ struct si_volume
 namespace isosurface
 {
 
+/// The unit of a name; Unknown of NULL and "". Error: InvalidArgument.
+Result<LengthUnit> TakeUnit(const char* name);
 /// The grid of a volume to be written, at which the samples begin.
 Result<LevelDescription> TakeGrid(const si_grid* given);
 /// The choice of how a file is opened.

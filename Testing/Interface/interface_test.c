@@ -104,6 +104,8 @@ static void write_and_describe(void)
   const double spacing[] = { 1, 1, 1 };
   si_opening opening = { .size = sizeof(opening) };
   opening.spacing = spacing;
+  opening.length_unit = "parsec";
+  CHECK(si_volume_open(path, &opening, NULL, &volume) == SI_INVALID_ARGUMENT);
   opening.length_unit = "um";
   OK(si_volume_open(path, &opening, NULL, &volume));
   CHECK(si_volume_grid(volume, 0)->spacing[2] == 1 &&
@@ -232,6 +234,9 @@ static void extract(void)
   si_surface_free(surface);
   request = make_request();
   request.isovalue_count = 0;
+  CHECK(si_volume_extract(volume, &request, NULL, &surface) == SI_INVALID_ARGUMENT);
+  request = make_request();
+  request.points = SI_INT16;
   CHECK(si_volume_extract(volume, &request, NULL, &surface) == SI_INVALID_ARGUMENT);
   request = make_request();
   request.scalar.array = 2;
