@@ -2,10 +2,9 @@
 #ifndef isosurface_AttributeCoder_h
 #define isosurface_AttributeCoder_h
 
-#include "Coding/BlockCoding/AttributeDomain.h"
-#include "Coding/BlockCoding/AttributeNeighbors.h"
 #include "Coding/BlockCoding/ResidualCoder.h"
 #include "Coding/Prediction/SignRows.h"
+#include "Ground/Volume/ValueType.h"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +16,72 @@
 
 namespace isosurface
 {
+
+/**
+ * Maps values of a point array (float32 or float64) to the integers that are coded.
+ *
+ * - Without error: the bits in the order of the values, see ValueDomain.
+ * - With a maximum error: the nearest multiple of a step slightly below twice the error. Values that
+ *   are not finite, or so large that a rounded multiple exceeds the error, have no code.
+ */
+class AttributeDomain
+{
+public:
+  /// maximumError: 0 to keep every bit.
+  AttributeDomain(ValueType type, double maximumError);
+
+  std::size_t GetValueSize() const { return this->ValueSize; }
+
+  /// Whether a value (of any alignment) has a code.
+  bool HasCode(const std::uint8_t* value) const;
+  std::int64_t ToCode(const std::uint8_t* value) const;
+  void ToValue(std::int64_t code, std::uint8_t* value) const;
+
+  /// A code modulo 2^32 for float32, modulo 2^64 for others.
+  std::int64_t Wrap(std::uint64_t code) const
+  {
+    return this->IsNarrow ? static_cast<std::int32_t>(static_cast<std::uint32_t>(code))
+                          : static_cast<std::int64_t>(code);
+  }
+
+private:
+  double Load(const std::uint8_t* value) const;
+  double Restore(std::int64_t code) const;
+
+  ValueType Type;
+  std::size_t ValueSize;
+  bool IsNarrow;
+  double MaximumError;
+  double Step; ///< 0 if every bit is kept
+};
+
+/// The edges near an edge from whose tuples its tuple is predicted, with their weights.
+class AttributeNeighbors
+{
+public:
+  /// The edges along one axis that begin in one row, at x - 2 to x + 2.
+  struct Row
+  {
+    std::size_t Plane = 0; ///< 0: this slice; 1: the one before
+    std::size_t Axis = 0;
+    int Y = 0;              ///< relative to the edge
+    std::uint32_t Near = 0; ///< bits of the edges that are near enough
+    std::array<std::int32_t, 5> Weights{};
+  };
+
+  /// The table for all blocks, made by the first call.
+  static const AttributeNeighbors& Get();
+
+  const std::vector<Row>& GetRows(int axis) const
+  {
+    return this->Rows[static_cast<std::size_t>(axis)];
+  }
+
+private:
+  AttributeNeighbors();
+
+  std::array<std::vector<Row>, 3> Rows;
+};
 
 /// The tuples of a point array at the edges of a block: First[axis] is that of the edge along the
 /// axis at the first vertex, then x fastest, without gaps. Only those of crossed edges are accessed.

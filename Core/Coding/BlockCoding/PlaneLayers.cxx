@@ -4,8 +4,6 @@
 #include "Coding/BlockCoding/NewestInstructions.h"
 #include "Coding/BlockCoding/RelevantVertices.h"
 
-#include <algorithm>
-
 namespace isosurface
 {
 namespace

@@ -6,7 +6,6 @@
 #include "Ground/Base/Coding.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace isosurface
 {

@@ -8,8 +8,6 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
 
-#include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <vector>

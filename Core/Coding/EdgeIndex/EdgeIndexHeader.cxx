@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/EdgeIndex/EdgeIndexHeader.h"
 
-#include "Coding/EdgeIndex/EdgeIndexHeaderLimits.h"
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
-#include <string>
 
 namespace isosurface
 {

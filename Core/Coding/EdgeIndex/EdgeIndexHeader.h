@@ -20,6 +20,14 @@
 namespace isosurface
 {
 
+// Maxima of the format.
+constexpr std::size_t MaximumIsovalues = 65536;
+constexpr std::size_t MaximumAttributes = 256;
+constexpr std::size_t MaximumTextSize = 65535;
+constexpr int MaximumPreviewLevel = 6;
+constexpr int MaximumTupleSize = 64;
+constexpr int MaximumComponents = 256; ///< of all attributes together
+
 /// How exactly points are kept. The connectivity is exact in every mode. The numbers are those of
 /// the file format.
 enum class EdgeIndexMode : std::uint8_t

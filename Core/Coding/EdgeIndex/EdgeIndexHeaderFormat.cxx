@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/EdgeIndex/EdgeIndexHeader.h"
 
-#include "Coding/EdgeIndex/EdgeIndexHeaderLimits.h"
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
 

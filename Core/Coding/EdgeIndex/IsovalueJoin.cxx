@@ -5,7 +5,6 @@
 #include "Surface/Contour/SurfaceExtractor.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>

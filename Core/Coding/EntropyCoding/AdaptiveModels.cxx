@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/EntropyCoding/AdaptiveModels.h"
 
-#include <algorithm>
-
 namespace isosurface
 {
 namespace

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Coding/Prediction/CrossingFit.h"
 
-#include <algorithm>
-
 namespace isosurface
 {
 namespace
