@@ -139,7 +139,7 @@ Result<Surface> MemoryContour::ExtractPiece(
     { request.ClosedSides, query.Region, request.Lines }, grid);
   source.SetAttributes(query.Samples.Pieces[number].Attributes);
   source.SetBlanking(piece.Hidden);
-  const std::vector<PieceLayers::Part>& layer = prepared.Layers.GetParts(number);
+  const std::vector<PieceLayers::LayerBox>& layer = prepared.Layers.GetLayer(number);
   if (layer.empty())
   {
     return ExtractSurface(grid, source, request, query.Threads, progress);

@@ -6,7 +6,6 @@
 #include "Surface/Contour/BrickKernel.h"
 #include "Surface/Contour/BrickLattice.h"
 
-#include <cstddef>
 #include <cstdint>
 
 namespace isosurface

@@ -8,7 +8,6 @@
 #include "Surface/Contour/BorderBrick.h"
 #include "Surface/Contour/LinePlacement.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <string>
@@ -154,7 +153,7 @@ BrickScan::BrickScan(
     });
 }
 
-void BrickScan::Allocate(const BrickLattice& lattice, Parts& parts) const
+void BrickScan::Allocate(const BrickLattice& lattice, Surfaces& parts) const
 {
   const std::size_t bricks = lattice.GetBricks().size();
   parts.OfBricks.resize(bricks * this->Request.Isovalues.size());
@@ -163,12 +162,13 @@ void BrickScan::Allocate(const BrickLattice& lattice, Parts& parts) const
 
 Status BrickScan::Run(const BrickLattice& lattice, const Progress& progress)
 {
-  this->Allocate(lattice, this->AllParts);
+  this->Allocate(lattice, this->AllSurfaces);
   FirstFailure failure;
   const bool finished = ParallelFor(
     this->Source.GetNumberOfBlocks(), static_cast<int>(this->Workers.size()),
     [&](std::size_t block, int thread) {
-      failure.Run([&] { return this->ScanBlock(lattice, block, block, this->AllParts, thread); });
+      failure.Run(
+        [&] { return this->ScanBlock(lattice, block, block, this->AllSurfaces, thread); });
     },
     progress);
   ISOSURFACE_RETURN_IF_ERROR(failure.Get());
@@ -187,12 +187,12 @@ double BrickScan::GetAcquireSeconds() const
 
 bool BrickScan::HasHiddenCells() const
 {
-  return std::any_of(this->GetParts().begin(), this->GetParts().end(),
-    [](const BrickPart& part) { return part.Visible != nullptr; });
+  return std::any_of(this->GetSurfaces().begin(), this->GetSurfaces().end(),
+    [](const BrickSurface& part) { return part.Visible != nullptr; });
 }
 
 Status BrickScan::ScanBlock(const BrickLattice& lattice, std::size_t numberInLattice,
-  std::size_t block, Parts& parts, int thread)
+  std::size_t block, Surfaces& parts, int thread)
 {
   Worker& worker = this->Workers[static_cast<std::size_t>(thread)];
   const auto start = std::chrono::steady_clock::now();
@@ -252,7 +252,7 @@ Status BrickScan::CheckSamples(std::size_t block, const BlockSamples& samples) c
 }
 
 void BrickScan::ScanBrick(const BrickLattice& lattice, std::size_t number,
-  const BlockSamples& samples, Parts& parts, Worker& worker)
+  const BlockSamples& samples, Surfaces& parts, Worker& worker)
 {
   const std::size_t bricks = lattice.GetBricks().size();
   const Brick& brick = lattice.GetBricks()[number];
@@ -302,11 +302,11 @@ BrickScan::BrickVisibility BrickScan::FindVisibility(
   return visibility;
 }
 
-BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, const Brick& brick,
+BrickSurface BrickScan::ScanIsovalue(std::size_t isovalue, const Brick& brick,
   const BrickOwnership& ownership, const BrickSamples& view, const BlockSamples& samples,
   const BrickVisibility& visibility, Worker& worker)
 {
-  BrickPart part;
+  BrickSurface part;
   const auto rows = static_cast<std::size_t>(view.Size[1]) * static_cast<std::size_t>(view.Size[2]);
   auto* inside = worker.Memory.Reserve<std::uint64_t>(rows);
   this->Kernels.ClassifyRows(
@@ -340,7 +340,8 @@ BrickPart BrickScan::ScanIsovalue(std::size_t isovalue, const Brick& brick,
 }
 
 void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSamples& view,
-  const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part, Worker& worker) const
+  const BlockSamples& samples, const CellVisibility* unknown, BrickSurface& part,
+  Worker& worker) const
 {
   const std::uint32_t count = part.Counts.Points;
   double* parameters = nullptr;
@@ -414,7 +415,7 @@ void BrickScan::MakePoints(double isovalue, const Brick& brick, const BrickSampl
 }
 
 void BrickScan::PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
-  const CellVisibility* unknown, double* parameters, BrickPart& part) const
+  const CellVisibility* unknown, double* parameters, BrickSurface& part) const
 {
   const LinedBrick lined{ *this->Request.Lines, brick.Vertices.Low, part.Codes,
     part.Counts.Points };
@@ -435,7 +436,7 @@ void BrickScan::PlacePointsOnLines(double isovalue, const Brick& brick, const Bl
 
 // Allocates all attributes, and copies tuples on edges. Before any points are moved to vertices.
 void BrickScan::CopyAttributes(
-  const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const
+  const Index3& low, const BlockSamples& samples, BrickSurface& part, Worker& worker) const
 {
   if (samples.Attributes.empty())
   {
@@ -454,8 +455,8 @@ void BrickScan::CopyAttributes(
   }
 }
 
-void BrickScan::InterpolateAttributes(
-  const Index3& low, const BlockSamples& samples, const double* parameters, BrickPart& part) const
+void BrickScan::InterpolateAttributes(const Index3& low, const BlockSamples& samples,
+  const double* parameters, BrickSurface& part) const
 {
   for (std::size_t n = 0; n < samples.Attributes.size(); ++n)
   {

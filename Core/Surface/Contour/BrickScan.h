@@ -2,17 +2,19 @@
 #ifndef isosurface_BrickScan_h
 #define isosurface_BrickScan_h
 
+#include "Ground/Base/Buffer.h"
+#include "Ground/Base/HugePages.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
 #include "Ground/Volume/Handedness.h"
-#include "Surface/Contour/Arena.h"
 #include "Surface/Contour/BrickKernel.h"
 #include "Surface/Contour/BrickLattice.h"
 #include "Surface/Contour/CellVisibility.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "Surface/Contour/VertexPoints.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,8 +23,59 @@
 namespace isosurface
 {
 
+/**
+ * Memory that is allocated from front to back and freed as a whole. Allocations are aligned to 64
+ * bytes. For one thread at a time.
+ */
+class Arena
+{
+public:
+  /// Returns room for up to `count` values. Valid until the next call unless kept by Keep().
+  template <typename T>
+  T* Reserve(std::size_t count)
+  {
+    const std::size_t bytes = count * sizeof(T);
+    if (this->Chunks.empty() || this->Chunks.back().GetSize() - this->Used < bytes)
+    {
+      const std::size_t size = this->Chunks.empty()
+        ? FirstChunkSize
+        : std::min(2 * this->Chunks.back().GetSize(), MaximumChunkSize);
+      this->Chunks.emplace_back(std::max(size, bytes + Alignment));
+      AdviseHugePages(this->Chunks.back().GetData(), this->Chunks.back().GetSize());
+      const auto address = reinterpret_cast<std::uintptr_t>(this->Chunks.back().GetData());
+      this->Used = (Alignment - address % Alignment) % Alignment;
+    }
+    return reinterpret_cast<T*>(this->Chunks.back().GetData() + this->Used);
+  }
+
+  /// Keeps the first `count` values of the last reservation.
+  template <typename T>
+  void Keep(std::size_t count)
+  {
+    const std::size_t bytes = (count * sizeof(T) + Alignment - 1) / Alignment * Alignment;
+    this->Used = std::min(this->Used + bytes, this->Chunks.back().GetSize());
+  }
+
+  template <typename T>
+  T* Allocate(std::size_t count)
+  {
+    T* values = this->Reserve<T>(count);
+    this->Keep<T>(count);
+    return values;
+  }
+
+private:
+  // The first chunk is small, so that a small surface does not take much memory.
+  static constexpr std::size_t FirstChunkSize = std::size_t(1) << 18;
+  static constexpr std::size_t MaximumChunkSize = std::size_t(8) << 20;
+  static constexpr std::size_t Alignment = 64;
+
+  std::vector<Buffer<std::uint8_t>> Chunks;
+  std::size_t Used = 0; ///< bytes of the last chunk
+};
+
 /// The results of the first phase for a brick and an isovalue. All null if there is no surface.
-struct BrickPart
+struct BrickSurface
 {
   const std::uint64_t* Inside = nullptr; ///< a word for each row of vertices, y fastest
   /// A word for each row of vertices: the visible cells from there on; null if all are.
@@ -54,10 +107,10 @@ class BrickScan
 {
 public:
   /// The results for the bricks of a lattice.
-  struct Parts
+  struct Surfaces
   {
-    /// The part of brick b at isovalue n is number n * number of bricks + b.
-    std::vector<BrickPart> OfBricks;
+    /// That of brick b at isovalue n is number n * number of bricks + b.
+    std::vector<BrickSurface> OfBricks;
     std::vector<BrickOwnership> Ownerships; ///< of each brick
   };
 
@@ -70,15 +123,15 @@ public:
   Status Run(const BrickLattice& lattice, const Progress& progress);
 
   /// Makes room for the results of a lattice.
-  void Allocate(const BrickLattice& lattice, Parts& parts) const;
+  void Allocate(const BrickLattice& lattice, Surfaces& parts) const;
   /// Visits one block, number `numberInLattice` of the lattice, and number `block` of the source, as
   /// one of the threads. Errors as those of Run.
   Status ScanBlock(const BrickLattice& lattice, std::size_t numberInLattice, std::size_t block,
-    Parts& parts, int thread);
-  Parts& GetAllParts() { return this->AllParts; }
-  std::vector<BrickPart>& GetParts() { return this->AllParts.OfBricks; }
-  const std::vector<BrickPart>& GetParts() const { return this->AllParts.OfBricks; }
-  const std::vector<BrickOwnership>& GetOwnerships() const { return this->AllParts.Ownerships; }
+    Surfaces& parts, int thread);
+  Surfaces& GetAllSurfaces() { return this->AllSurfaces; }
+  std::vector<BrickSurface>& GetSurfaces() { return this->AllSurfaces.OfBricks; }
+  const std::vector<BrickSurface>& GetSurfaces() const { return this->AllSurfaces.OfBricks; }
+  const std::vector<BrickOwnership>& GetOwnerships() const { return this->AllSurfaces.Ownerships; }
   /// Those that turn the corners right in the world.
   CellCases GetCases() const { return GetCellCases(IsLeftHanded(this->Geometry)); }
   /// Whether points are float64.
@@ -104,27 +157,27 @@ private:
   /// What is not visible of a brick; void for most.
   struct BrickVisibility
   {
-    const std::uint64_t* Cells = nullptr;    ///< see BrickPart::Visible
+    const std::uint64_t* Cells = nullptr;    ///< see BrickSurface::Visible
     const CellVisibility* Samples = nullptr; ///< if some samples in it or around it are not known
   };
 
   Status CheckSamples(std::size_t block, const BlockSamples& samples) const;
   void ScanBrick(const BrickLattice& lattice, std::size_t number, const BlockSamples& samples,
-    Parts& parts, Worker& worker);
-  BrickPart ScanIsovalue(std::size_t isovalue, const Brick& brick, const BrickOwnership& ownership,
-    const BrickSamples& view, const BlockSamples& samples, const BrickVisibility& visibility,
-    Worker& worker);
+    Surfaces& parts, Worker& worker);
+  BrickSurface ScanIsovalue(std::size_t isovalue, const Brick& brick,
+    const BrickOwnership& ownership, const BrickSamples& view, const BlockSamples& samples,
+    const BrickVisibility& visibility, Worker& worker);
   void MakePoints(double isovalue, const Brick& brick, const BrickSamples& view,
-    const BlockSamples& samples, const CellVisibility* unknown, BrickPart& part,
+    const BlockSamples& samples, const CellVisibility* unknown, BrickSurface& part,
     Worker& worker) const;
   void PlacePointsOnLines(double isovalue, const Brick& brick, const BlockSamples& samples,
-    const CellVisibility* unknown, double* parameters, BrickPart& part) const;
+    const CellVisibility* unknown, double* parameters, BrickSurface& part) const;
   BrickVisibility FindVisibility(
     const CellVisibility& ofBlock, const Brick& brick, Worker& worker) const;
   void CopyAttributes(
-    const Index3& low, const BlockSamples& samples, BrickPart& part, Worker& worker) const;
+    const Index3& low, const BlockSamples& samples, BrickSurface& part, Worker& worker) const;
   void InterpolateAttributes(const Index3& low, const BlockSamples& samples,
-    const double* parameters, BrickPart& part) const;
+    const double* parameters, BrickSurface& part) const;
 
   const GridGeometry& Geometry;
   BlockSource& Source;
@@ -134,7 +187,7 @@ private:
   const BrickKernels& Kernels;
   std::vector<Threshold> Thresholds;
   std::vector<Worker> Workers;
-  Parts AllParts;
+  Surfaces AllSurfaces;
 };
 
 /// The kernel's description of a brick: its place in the grid and, if `samples` is given, its

@@ -7,8 +7,6 @@
 #include "Surface/Contour/BrickKernel.h"
 #include "Surface/Contour/BrickLattice.h"
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 
 namespace isosurface
@@ -28,7 +26,7 @@ public:
   bool IsLimited() const { return this->Hidden || this->SkipsNotANumber; }
 
   /**
-   * Sets a word for each row of vertices, as BrickPart::Inside has it: the bits of the visible
+   * Sets a word for each row of vertices, as BrickSurface::Inside has it: the bits of the visible
    * cells from that row on. False, and no words, if all cells of the brick are visible.
    */
   bool FindVisibleCells(const Brick& brick, std::uint64_t* visible) const;

@@ -28,7 +28,7 @@ public:
   }
 
   /// Lists them in ascending order, and renumbers the rows of the part.
-  void Find(const Index3& size, const BrickPart& part)
+  void Find(const Index3& size, const BrickSurface& part)
   {
     const auto ny = static_cast<std::size_t>(size[1]);
     const auto nz = static_cast<std::size_t>(size[2]);
@@ -90,7 +90,7 @@ private:
   std::vector<std::uint32_t>& Dropped;
 };
 
-void RestrictVertexPoints(const std::vector<std::uint32_t>& dropped, BrickPart& part)
+void RestrictVertexPoints(const std::vector<std::uint32_t>& dropped, BrickSurface& part)
 {
   std::uint32_t kept = 0;
   for (std::uint32_t n = 0; n < part.NumberOfVertexPoints; ++n)
@@ -108,7 +108,7 @@ void RestrictVertexPoints(const std::vector<std::uint32_t>& dropped, BrickPart& 
 
 } // namespace
 
-void MovePoints(const BrickPart& part, const std::vector<AttributeLayout>& attributes,
+void MovePoints(const BrickSurface& part, const std::vector<AttributeLayout>& attributes,
   std::size_t from, std::size_t to, std::size_t count)
 {
   const auto move = [&](auto* values, std::size_t size)
@@ -130,7 +130,7 @@ void MovePoints(const BrickPart& part, const std::vector<AttributeLayout>& attri
 }
 
 void RestrictPoints(const VertexBox& vertices, const BrickOwnership& before,
-  const BrickOwnership& after, const std::vector<AttributeLayout>& attributes, BrickPart& part,
+  const BrickOwnership& after, const std::vector<AttributeLayout>& attributes, BrickSurface& part,
   std::vector<std::uint32_t>& dropped)
 {
   DroppedPoints(before, after, dropped).Find(vertices.GetSize(), part);

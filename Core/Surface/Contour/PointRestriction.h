@@ -14,7 +14,7 @@ namespace isosurface
 {
 
 /// Moves the data of `count` points of a part from `from` to the earlier place `to`.
-void MovePoints(const BrickPart& part, const std::vector<AttributeLayout>& attributes,
+void MovePoints(const BrickSurface& part, const std::vector<AttributeLayout>& attributes,
   std::size_t from, std::size_t to, std::size_t count);
 
 /**
@@ -24,7 +24,7 @@ void MovePoints(const BrickPart& part, const std::vector<AttributeLayout>& attri
  * on the faces that are shared now, and moving the points behind the first one that is dropped.
  */
 void RestrictPoints(const VertexBox& vertices, const BrickOwnership& before,
-  const BrickOwnership& after, const std::vector<AttributeLayout>& attributes, BrickPart& part,
+  const BrickOwnership& after, const std::vector<AttributeLayout>& attributes, BrickSurface& part,
   std::vector<std::uint32_t>& dropped);
 
 } // namespace isosurface

@@ -41,7 +41,7 @@ SlabBuilder::SlabBuilder(
   , Scan(scan)
   , FirstPart(firstPart)
   , Kernels(GetBrickKernels())
-  , Visible(scan.GetParts()[firstPart + brick].Visible)
+  , Visible(scan.GetSurfaces()[firstPart + brick].Visible)
   , Neighborhood(lattice.FindNeighborhood(brick))
 {
   this->Self = this->GetRows({});
@@ -75,7 +75,7 @@ const NumberedRows& SlabBuilder::GetRows(const BrickNeighborhood::Step& step)
   if (!rows.Ownership)
   {
     const std::size_t brick = this->Neighborhood.Get(step);
-    const BrickPart& part = this->Scan.GetParts()[this->FirstPart + brick];
+    const BrickSurface& part = this->Scan.GetSurfaces()[this->FirstPart + brick];
     rows.Inside = part.Inside;
     rows.Offsets = part.Offsets;
     rows.Ownership = &this->Scan.GetOwnerships()[brick];

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace isosurface
 {
@@ -52,7 +51,7 @@ private:
   const BrickScan& Scan;
   std::size_t FirstPart;
   const BrickKernels& Kernels;
-  const std::uint64_t* Visible; ///< see BrickPart
+  const std::uint64_t* Visible; ///< see BrickSurface
   NumberedRows Self{};
   BrickNeighborhood Neighborhood;
   std::array<NumberedRows, 27> Neighbors{}; ///< rows of the neighbours, filled on first use

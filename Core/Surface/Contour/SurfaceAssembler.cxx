@@ -92,7 +92,7 @@ bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surfa
   this->Allocate(surface);
 
   std::vector<std::size_t> active;
-  const std::vector<BrickPart>& parts = this->Scan.GetParts();
+  const std::vector<BrickSurface>& parts = this->Scan.GetSurfaces();
   for (std::size_t part = 0; part < parts.size(); ++part)
   {
     if (parts[part].Inside)
@@ -111,7 +111,7 @@ bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surfa
 void SurfaceAssembler::NumberPoints()
 {
   std::int64_t points = 0;
-  for (BrickPart& part : this->Scan.GetParts())
+  for (BrickSurface& part : this->Scan.GetSurfaces())
   {
     part.FirstPoint = points;
     part.Kept = part.Counts;
@@ -133,7 +133,7 @@ void SurfaceAssembler::Count(Surface& surface)
     whole.FirstCell = static_cast<std::size_t>(this->Request.Polygons ? polygons : triangles);
     for (std::size_t brick = 0; brick < bricks; ++brick)
     {
-      BrickPart& part = this->Scan.GetParts()[isovalue * bricks + brick];
+      BrickSurface& part = this->Scan.GetSurfaces()[isovalue * bricks + brick];
       part.FirstKeptPoint = points;
       part.FirstCell = this->Request.Polygons ? polygons : triangles;
       part.FirstIndex = this->Request.Polygons ? triangles + 2 * polygons : 3 * triangles;
@@ -201,10 +201,10 @@ void SurfaceAssembler::WriteBrick(std::size_t number, Surface& surface, Corners&
 {
   if (this->Merge)
   {
-    this->DropPoints(this->Scan.GetParts()[number]);
+    this->DropPoints(this->Scan.GetSurfaces()[number]);
   }
   this->WritePoints(number, surface);
-  this->WriteAttributes(this->Scan.GetParts()[number], surface);
+  this->WriteAttributes(this->Scan.GetSurfaces()[number], surface);
   if (surface.Connectivity.Is64Bit)
   {
     this->WriteCells(
@@ -218,7 +218,7 @@ void SurfaceAssembler::WriteBrick(std::size_t number, Surface& surface, Corners&
 }
 
 // Moves the points of the part that are kept together, in their order.
-void SurfaceAssembler::DropPoints(const BrickPart& part) const
+void SurfaceAssembler::DropPoints(const BrickSurface& part) const
 {
   if (part.Kept.Points == part.Counts.Points)
   {
@@ -239,7 +239,7 @@ void SurfaceAssembler::DropPoints(const BrickPart& part) const
 
 void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
 {
-  const BrickPart& part = this->Scan.GetParts()[number];
+  const BrickSurface& part = this->Scan.GetSurfaces()[number];
   const std::size_t bricks = this->Lattice.GetBricks().size();
   const auto isovalue = static_cast<std::int64_t>(number / bricks);
   const VertexBox vertices = this->Lattice.GetBricks()[number % bricks].Vertices.Translate(
@@ -302,7 +302,7 @@ void SurfaceAssembler::WritePoints(std::size_t number, Surface& surface) const
   }
 }
 
-void SurfaceAssembler::WriteAttributes(const BrickPart& part, Surface& surface) const
+void SurfaceAssembler::WriteAttributes(const BrickSurface& part, Surface& surface) const
 {
   for (std::size_t n = 0; n < surface.Attributes.size(); ++n)
   {
@@ -321,7 +321,7 @@ void SurfaceAssembler::WriteCells(
   std::size_t number, Id* connectivity, Id* offsets, Corners& corners) const
 {
   const std::size_t bricks = this->Lattice.GetBricks().size();
-  const BrickPart& part = this->Scan.GetParts()[number];
+  const BrickSurface& part = this->Scan.GetSurfaces()[number];
   Id* next = connectivity + part.FirstIndex;
   Id* nextOffset = offsets ? offsets + part.FirstCell : nullptr;
   std::int64_t index = part.FirstIndex;
@@ -363,7 +363,7 @@ void SurfaceAssembler::WriteKeptTriangles(
 {
   const std::int64_t* corner = this->Merge->MakeTriangles(number, corners);
   const std::int64_t* const end =
-    corner + 3 * static_cast<std::ptrdiff_t>(this->Scan.GetParts()[number].Counts.Triangles);
+    corner + 3 * static_cast<std::ptrdiff_t>(this->Scan.GetSurfaces()[number].Counts.Triangles);
   for (; corner != end; corner += 3)
   {
     const std::int64_t a = this->Merge->GetNumber(corner[0]);

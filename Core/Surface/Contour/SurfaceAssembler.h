@@ -40,8 +40,8 @@ private:
   void Allocate(Surface& surface) const;
   void WriteBrick(std::size_t part, Surface& surface, Corners& corners) const;
   void WritePoints(std::size_t part, Surface& surface) const;
-  void WriteAttributes(const BrickPart& part, Surface& surface) const;
-  void DropPoints(const BrickPart& part) const;
+  void WriteAttributes(const BrickSurface& part, Surface& surface) const;
+  void DropPoints(const BrickSurface& part) const;
   template <typename Id>
   void WriteCells(std::size_t number, Id* connectivity, Id* offsets, Corners& corners) const;
   template <typename Id>

@@ -4,9 +4,7 @@
 #include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
-#include <limits>
 #include <type_traits>
-#include <vector>
 
 namespace isosurface
 {

@@ -3,7 +3,6 @@
 #define isosurface_TupleRanges_h
 
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <vector>
 

@@ -48,7 +48,7 @@ VertexMerge::VertexMerge(const BrickLattice& lattice, BrickScan& scan)
   , Scan(scan)
 {
   std::size_t points = 0;
-  const std::vector<BrickPart>& parts = scan.GetParts();
+  const std::vector<BrickSurface>& parts = scan.GetSurfaces();
   for (std::size_t part = 0; part < parts.size(); ++part)
   {
     if (parts[part].Inside)
@@ -83,7 +83,7 @@ bool VertexMerge::Run(int threads, const Progress& progress)
   ParallelFor(this->Active.size(), threads,
     [&](std::size_t n, int)
     {
-      BrickPart& part = this->Scan.GetParts()[this->Active[n]];
+      BrickSurface& part = this->Scan.GetSurfaces()[this->Active[n]];
       const auto first = static_cast<std::size_t>(part.FirstPoint);
       part.Kept.Points = static_cast<std::uint32_t>(
         std::count(&this->AreUsed[first], &this->AreUsed[first] + part.Counts.Points, 1));
@@ -93,13 +93,13 @@ bool VertexMerge::Run(int threads, const Progress& progress)
   for (const std::size_t part : this->Active)
   {
     firsts.push_back(count);
-    count += this->Scan.GetParts()[part].Kept.Points;
+    count += this->Scan.GetSurfaces()[part].Kept.Points;
   }
   ParallelFor(this->Active.size(), threads,
     [&](std::size_t n, int) { this->NumberPoints(this->Active[n], firsts[n]); });
   for (const std::size_t number : this->Active)
   {
-    const BrickPart& part = this->Scan.GetParts()[number];
+    const BrickSurface& part = this->Scan.GetSurfaces()[number];
     for (std::uint32_t n = 0; n < part.NumberOfVertexPoints; ++n)
     {
       const VertexPoint& point = part.VertexPoints[n];
@@ -117,7 +117,7 @@ const std::int64_t* VertexMerge::MakeTriangles(
   std::size_t part, std::vector<std::int64_t>& corners) const
 {
   const std::size_t bricks = this->Lattice.GetBricks().size();
-  const std::size_t needed = 3 * std::size_t(this->Scan.GetParts()[part].Counts.Triangles);
+  const std::size_t needed = 3 * std::size_t(this->Scan.GetSurfaces()[part].Counts.Triangles);
   corners.resize(std::max(corners.size(), needed));
   SlabBuilder builder(this->Lattice, this->Scan, part / bricks * bricks, part % bricks);
   builder.WriteTriangles(corners.data(), corners.data() + needed);
@@ -127,7 +127,7 @@ const std::int64_t* VertexMerge::MakeTriangles(
 void VertexMerge::MergeWithinBrick(std::size_t number, FirstPoints& firstPoints)
 {
   constexpr std::uint32_t none = static_cast<std::uint32_t>(-1);
-  const BrickPart& part = this->Scan.GetParts()[number];
+  const BrickSurface& part = this->Scan.GetSurfaces()[number];
   for (std::uint32_t n = 0; n < part.Counts.Points; ++n)
   {
     this->Numbers[static_cast<std::size_t>(part.FirstPoint + n)] = part.FirstPoint + n;
@@ -164,7 +164,7 @@ void VertexMerge::MergeAcrossBricks()
       isovalue = number / bricks;
       firsts.clear();
     }
-    const BrickPart& part = this->Scan.GetParts()[number];
+    const BrickSurface& part = this->Scan.GetSurfaces()[number];
     const VertexBox& vertices = this->Lattice.GetBricks()[number % bricks].Vertices;
     for (std::uint32_t n = 0; n < part.NumberOfVertexPoints; ++n)
     {
@@ -188,7 +188,7 @@ void VertexMerge::MergeAcrossBricks()
 
 void VertexMerge::CountKept(std::size_t number, std::vector<std::int64_t>& corners)
 {
-  BrickPart& part = this->Scan.GetParts()[number];
+  BrickSurface& part = this->Scan.GetSurfaces()[number];
   const std::int64_t* corner = this->MakeTriangles(number, corners);
   part.Kept.Triangles = 0;
   for (std::uint32_t triangle = 0; triangle < part.Counts.Triangles; ++triangle, corner += 3)
@@ -209,7 +209,7 @@ void VertexMerge::CountKept(std::size_t number, std::vector<std::int64_t>& corne
 // Numbers the points that are not merged. Run() then numbers the merged points.
 void VertexMerge::NumberPoints(std::size_t number, std::int64_t first)
 {
-  const BrickPart& part = this->Scan.GetParts()[number];
+  const BrickSurface& part = this->Scan.GetSurfaces()[number];
   for (std::uint32_t n = 0; n < part.Counts.Points; ++n)
   {
     const auto point = static_cast<std::size_t>(part.FirstPoint + n);

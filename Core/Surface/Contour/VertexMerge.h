@@ -7,7 +7,6 @@
 #include "Surface/Contour/BrickLattice.h"
 #include "Surface/Contour/BrickScan.h"
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>

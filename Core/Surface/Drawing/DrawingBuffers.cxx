@@ -4,10 +4,7 @@
 #include "Ground/Base/ParallelFor.h"
 #include "Surface/Drawing/PointPlaces.h"
 
-#include <algorithm>
 #include <cmath>
-#include <type_traits>
-#include <vector>
 
 namespace isosurface
 {

@@ -8,7 +8,6 @@
 #include "Surface/Islands/IslandLabels.h"
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>

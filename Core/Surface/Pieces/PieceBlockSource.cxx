@@ -6,7 +6,6 @@
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace isosurface
 {
@@ -227,7 +226,7 @@ void PieceBlockSource::FindSharedRanges(int rank, CommonRanges& common)
   {
     for (const Supply& supply : block.Supplies)
     {
-      const PlacedPiece& piece = this->AllPieces[supply.Piece];
+      const PieceOwner& piece = this->AllPieces[supply.Piece];
       const VertexBox own = supply.Box.Intersect(this->Grid.GetVertices(block.Number));
       if (piece.Rank == rank && !own.IsEmpty())
       {
@@ -287,7 +286,7 @@ void PieceBlockSource::PackShared(int rank, std::vector<Message>& outgoing)
     Message& message = outgoing[static_cast<std::size_t>(block.Owner)];
     for (const Supply& supply : block.Supplies)
     {
-      const PlacedPiece& piece = this->AllPieces[supply.Piece];
+      const PieceOwner& piece = this->AllPieces[supply.Piece];
       for (const SampleView& view :
         piece.Rank == rank ? this->GetViews(piece.Number) : std::vector<SampleView>())
       {

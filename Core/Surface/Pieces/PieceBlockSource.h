@@ -17,7 +17,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -85,7 +84,7 @@ public:
 
 private:
   /// Whose a piece is.
-  struct PlacedPiece
+  struct PieceOwner
   {
     int Rank = 0;
     std::size_t Number = 0; ///< of that rank's
@@ -135,7 +134,7 @@ private:
   std::vector<double> Isovalues;
   std::vector<ValueKey> Thresholds;
   std::vector<GridPiece> Pieces;
-  std::vector<PlacedPiece> AllPieces; ///< of all ranks, by rank
+  std::vector<PieceOwner> AllPieces; ///< of all ranks, by rank
   std::vector<VertexBox> Boxes;       ///< of all samples that these pieces have
   std::vector<ValueType> Types;       ///< of the scalars, then of each attribute's components
   std::vector<int> AttributeSizes;    ///< components of each attribute

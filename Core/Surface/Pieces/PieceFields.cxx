@@ -275,22 +275,22 @@ std::vector<std::uint64_t> CompareSamples(const std::vector<KnownPiece>& all,
   const std::vector<Comparison>& comparisons, std::size_t rank,
   const std::vector<FieldPiece>& pieces, int threads)
 {
-  using Part = std::pair<std::size_t, std::pair<Index3, Index3>>; // a piece, and a box of it
-  std::map<Part, std::uint64_t> sums; // many pieces may have the same box in common with one
+  using PieceBox = std::pair<std::size_t, std::pair<Index3, Index3>>; // a piece, and a box of it
+  std::map<PieceBox, std::uint64_t> sums; // many pieces may have the same box in common with one
   std::vector<std::size_t> own;
   const auto isMine = [&](std::size_t piece) { return all[piece].Rank == rank; };
-  const auto makePart = [&](const Comparison& comparison)
+  const auto makeBox = [&](const Comparison& comparison)
   {
     const std::size_t mine = isMine(comparison.First) ? comparison.First : comparison.Second;
-    return Part{ all[mine].Number, { comparison.Common.Low, comparison.Common.High } };
+    return PieceBox{ all[mine].Number, { comparison.Common.Low, comparison.Common.High } };
   };
-  std::vector<std::pair<const Part, std::uint64_t>*> toSum;
+  std::vector<std::pair<const PieceBox, std::uint64_t>*> toSum;
   for (std::size_t n = 0; n < comparisons.size(); ++n)
   {
     const bool isFirst = isMine(comparisons[n].First);
     if (isFirst != isMine(comparisons[n].Second))
     {
-      const auto added = sums.emplace(makePart(comparisons[n]), 0);
+      const auto added = sums.emplace(makeBox(comparisons[n]), 0);
       if (added.second)
       {
         toSum.push_back(&*added.first);
@@ -316,7 +316,7 @@ std::vector<std::uint64_t> CompareSamples(const std::vector<KnownPiece>& all,
       const KnownPiece& b = all[comparison.Second];
       found[n] = a.Rank == b.Rank
         ? (HaveEqualSamples(pieces[a.Number], pieces[b.Number], comparison.Common) ? 1U : 0U)
-        : sums.at(makePart(comparison));
+        : sums.at(makeBox(comparison));
     }));
   return found;
 }

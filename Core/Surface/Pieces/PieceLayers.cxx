@@ -17,7 +17,7 @@ namespace
 {
 
 // What all ranks know of a piece.
-struct PlacedPiece
+struct DescribedPiece
 {
   std::size_t Rank = 0;
   std::size_t Number = 0; ///< of that rank's
@@ -45,15 +45,15 @@ Message DescribePieces(const std::vector<LayeredPiece>& pieces)
 }
 
 // By rank, then by number.
-std::vector<PlacedPiece> ReadPieces(const std::vector<Message>& messages)
+std::vector<DescribedPiece> ReadPieces(const std::vector<Message>& messages)
 {
-  std::vector<PlacedPiece> all;
+  std::vector<DescribedPiece> all;
   for (std::size_t rank = 0; rank < messages.size(); ++rank)
   {
     ByteReader reader(messages[rank]);
     for (std::size_t number = 0; reader.GetRemaining() > 0; ++number)
     {
-      PlacedPiece& piece = all.emplace_back();
+      DescribedPiece& piece = all.emplace_back();
       piece.Rank = rank;
       piece.Number = number;
       piece.Grid = reader.Read<std::int64_t>();
@@ -66,7 +66,7 @@ std::vector<PlacedPiece> ReadPieces(const std::vector<Message>& messages)
 }
 
 // The parts of the layer that a piece needs, each from the first piece of its grid that has it.
-std::vector<Supply> FindLayer(const std::vector<PlacedPiece>& all, const PlacedPiece& piece)
+std::vector<Supply> FindLayer(const std::vector<DescribedPiece>& all, const DescribedPiece& piece)
 {
   if (piece.Needed.IsEmpty())
   {
@@ -74,7 +74,7 @@ std::vector<Supply> FindLayer(const std::vector<PlacedPiece>& all, const PlacedP
   }
   std::vector<VertexBox> boxes;
   boxes.reserve(all.size());
-  for (const PlacedPiece& other : all)
+  for (const DescribedPiece& other : all)
   {
     const bool isOfGrid = other.Grid == piece.Grid && other.Type == piece.Type;
     boxes.push_back(isOfGrid ? other.Available : VertexBox());
@@ -99,10 +99,10 @@ void AppendPart(const LayeredPiece& piece, const VertexBox& box, Message& messag
 }
 
 // A part for the samples of a supply, before they arrive.
-PieceLayers::Part MakeRoom(const LayeredPiece& piece, const Supply& supply, std::size_t rank)
+PieceLayers::LayerBox MakeRoom(const LayeredPiece& piece, const Supply& supply, std::size_t rank)
 {
   const auto count = static_cast<std::size_t>(supply.Box.GetNumberOfVertices());
-  PieceLayers::Part part;
+  PieceLayers::LayerBox part;
   part.Rank = static_cast<int>(rank);
   part.Box = supply.Box;
   part.Samples = Buffer<std::uint8_t>(count * GetValueSize(piece.Scalars.Type));
@@ -130,14 +130,14 @@ Result<PieceLayers> PieceLayers::Collect(
   // Packs what other pieces need of this rank's, and makes room for what its own ones need.
   const auto pack = [&]
   {
-    const std::vector<PlacedPiece> all = ReadPieces(messages);
+    const std::vector<DescribedPiece> all = ReadPieces(messages);
     outgoing.resize(messages.size());
-    layers.Parts.resize(pieces.size());
-    for (const PlacedPiece& piece : all)
+    layers.Layers.resize(pieces.size());
+    for (const DescribedPiece& piece : all)
     {
       for (const Supply& supply : FindLayer(all, piece))
       {
-        const PlacedPiece& from = all[supply.Piece];
+        const DescribedPiece& from = all[supply.Piece];
         isAnyNeeded = true;
         if (from.Rank == own)
         {
@@ -145,7 +145,7 @@ Result<PieceLayers> PieceLayers::Collect(
         }
         if (piece.Rank == own)
         {
-          layers.Parts[piece.Number].push_back(MakeRoom(pieces[piece.Number], supply, from.Rank));
+          layers.Layers[piece.Number].push_back(MakeRoom(pieces[piece.Number], supply, from.Rank));
         }
       }
     }
@@ -162,9 +162,9 @@ Result<PieceLayers> PieceLayers::Collect(
 void PieceLayers::Place(const std::vector<Message>& incoming)
 {
   std::vector<ByteReader> readers(incoming.begin(), incoming.end());
-  for (std::vector<Part>& parts : this->Parts)
+  for (std::vector<LayerBox>& parts : this->Layers)
   {
-    for (Part& part : parts)
+    for (LayerBox& part : parts)
     {
       ByteReader& reader = readers[static_cast<std::size_t>(part.Rank)];
       const std::size_t bytes = part.Samples.GetSize();
@@ -237,7 +237,7 @@ void LayeredBlockSource::Copy::AddPiece(const Blanking& hidden, const VertexBox&
 }
 
 LayeredBlockSource::LayeredBlockSource(
-  BlockSource& inner, const LayeredPiece& piece, const std::vector<PieceLayers::Part>& layer)
+  BlockSource& inner, const LayeredPiece& piece, const std::vector<PieceLayers::LayerBox>& layer)
   : Inner(inner)
   , Piece(piece)
   , Layer(layer)
@@ -262,7 +262,7 @@ Result<BlockSamples> LayeredBlockSource::Acquire(std::size_t block)
   const auto copy = std::make_shared<Copy>(box, scalars.Type);
   copy->Add(scalars);
   copy->AddPiece(this->Piece.Hidden, scalars.Available);
-  for (const PieceLayers::Part& part : this->Layer)
+  for (const PieceLayers::LayerBox& part : this->Layer)
   {
     copy->Add(MakeSampleView(scalars.Type, part.Box, part.Samples.GetData()));
     copy->AddHidden(part.Box, part.Hidden.data());

@@ -37,10 +37,10 @@ public:
   static Result<PieceLayers> Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces);
 
   /// Makes room for `pieces` pieces without layers.
-  void Resize(std::size_t pieces) { this->Parts.resize(pieces); }
+  void Resize(std::size_t pieces) { this->Layers.resize(pieces); }
 
-  /// A part of the layer around a piece.
-  struct Part
+  /// A box of the layer around a piece.
+  struct LayerBox
   {
     int Rank = 0; ///< that had the samples
     VertexBox Box;
@@ -48,14 +48,14 @@ public:
     std::vector<std::uint8_t> Hidden; ///< 1 for a sample that is hidden
   };
 
-  /// The parts of a piece of this rank; empty if it needs none, or if no rank has any.
-  const std::vector<Part>& GetParts(std::size_t piece) const { return this->Parts[piece]; }
+  /// The layer around a piece of this rank; empty if it needs none, or if no rank has any.
+  const std::vector<LayerBox>& GetLayer(std::size_t piece) const { return this->Layers[piece]; }
 
 private:
   /// Takes the samples of all parts from the messages of the ranks.
   void Place(const std::vector<Message>& incoming);
 
-  std::vector<std::vector<Part>> Parts;
+  std::vector<std::vector<LayerBox>> Layers;
 };
 
 /**
@@ -66,7 +66,7 @@ class LayeredBlockSource : public BlockSource
 {
 public:
   LayeredBlockSource(
-    BlockSource& inner, const LayeredPiece& piece, const std::vector<PieceLayers::Part>& layer);
+    BlockSource& inner, const LayeredPiece& piece, const std::vector<PieceLayers::LayerBox>& layer);
 
   /// The vertices that gradients may use: ContourRequest::KnownSamples.
   VertexBox GetKnownSamples() const;
@@ -85,7 +85,7 @@ private:
 
   BlockSource& Inner;
   const LayeredPiece& Piece;
-  const std::vector<PieceLayers::Part>& Layer;
+  const std::vector<PieceLayers::LayerBox>& Layer;
 };
 
 } // namespace isosurface

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <set>
 #include <vector>
 
 using namespace isosurface;
