@@ -56,7 +56,7 @@ public:
     , Stored(volume.FindLevel(level))
     , Rank(static_cast<std::uint32_t>(query.Rank))
     , Ranks(static_cast<std::uint32_t>(query.Ranks))
-    , Stores(volume.GetParts()[Stored.Part].Header.NumberOfStores)
+    , Stores(volume.GetStoredGrids()[Stored.Part].Header.NumberOfStores)
     , Replicas(volume.GetHeader().NumberOfReplicas)
     , Statistics(statistics)
   {

@@ -3,7 +3,6 @@
 
 #include "Storage/Index/IntervalTreeVerification.h"
 
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -6,7 +6,6 @@
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 
 namespace isosurface

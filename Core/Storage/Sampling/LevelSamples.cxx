@@ -4,7 +4,6 @@
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace isosurface

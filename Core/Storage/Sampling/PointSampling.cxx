@@ -2,7 +2,6 @@
 #include "Storage/Sampling/PointSampling.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <map>
 #include <utility>

@@ -2,11 +2,9 @@
 #include "Storage/Spectrum/BlockMeasure.h"
 
 #include "Ground/Base/ProcessorClones.h"
-#include "Storage/Spectrum/CellMeasure.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 #include <utility>
 

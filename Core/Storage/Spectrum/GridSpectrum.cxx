@@ -4,11 +4,9 @@
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/SampleRange.h"
 #include "Storage/Spectrum/BlockActivity.h"
-#include "Storage/Spectrum/BlockMeasure.h"
 #include "Storage/Spectrum/BlockWorkload.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace isosurface
 {
@@ -43,9 +41,9 @@ GridSpectrum::GridSpectrum(
 {
 }
 
-void GridSpectrum::FindParts()
+void GridSpectrum::FindOverlaps()
 {
-  this->Parts.clear();
+  this->Overlaps.clear();
   const Index3& last = this->Blocks.GetNumberOfBlocksPerAxis();
   for (std::size_t piece = 0; piece < this->Pieces.size(); ++piece)
   {
@@ -72,7 +70,7 @@ void GridSpectrum::FindParts()
           const VertexBox part = this->Blocks.GetVertices(block).Intersect(box);
           if (!part.IsEmpty())
           {
-            this->Parts.push_back({ piece, block, part });
+            this->Overlaps.push_back({ piece, block, part });
           }
         }
       }
@@ -82,15 +80,15 @@ void GridSpectrum::FindParts()
 
 Status GridSpectrum::FindOwnRanges(const Progress& progress)
 {
-  this->FindParts();
+  this->FindOverlaps();
   this->Ranges.assign(static_cast<std::size_t>(this->Blocks.GetNumberOfBlocks()), {});
   this->FiniteRange = {};
-  std::vector<SampleRange> found(this->Parts.size());
+  std::vector<SampleRange> found(this->Overlaps.size());
   const bool isDone = ParallelFor(
-    this->Parts.size(), this->Threads,
+    this->Overlaps.size(), this->Threads,
     [&](std::size_t index, int)
     {
-      const Part& part = this->Parts[index];
+      const Overlap& part = this->Overlaps[index];
       found[index] = FindSampleRange(this->Pieces[part.Piece], part.Box);
     },
     progress);
@@ -100,7 +98,7 @@ Status GridSpectrum::FindOwnRanges(const Progress& progress)
   }
   for (std::size_t index = 0; index < found.size(); ++index)
   {
-    this->Ranges[static_cast<std::size_t>(this->Parts[index].Block)].Add(found[index].All);
+    this->Ranges[static_cast<std::size_t>(this->Overlaps[index].Block)].Add(found[index].All);
     this->FiniteRange.Add(found[index].Finite);
   }
   return Status::Ok();
@@ -124,7 +122,7 @@ Status GridSpectrum::FindRanges(Communicator& ranks, const Progress& progress)
   return Status::Ok();
 }
 
-void GridSpectrum::CountPart(const Part& part, Counted& counted) const
+void GridSpectrum::CountOverlap(const Overlap& part, Counted& counted) const
 {
   const KeyRange& range = this->Ranges[static_cast<std::size_t>(part.Block)];
   if (range.Minimum == range.Maximum)
@@ -148,9 +146,9 @@ Status GridSpectrum::CountOwn(
       MeasureSums(bins) });
   }
   const bool isDone = ParallelFor(
-    this->Parts.size(), this->Threads,
+    this->Overlaps.size(), this->Threads,
     [&](std::size_t index, int thread)
-    { this->CountPart(this->Parts[index], counted[static_cast<std::size_t>(thread)]); },
+    { this->CountOverlap(this->Overlaps[index], counted[static_cast<std::size_t>(thread)]); },
     progress);
   if (!isDone)
   {

@@ -56,7 +56,7 @@ public:
 
 private:
   /// The intersection of a block and a piece.
-  struct Part
+  struct Overlap
   {
     std::size_t Piece;
     std::int64_t Block;
@@ -64,7 +64,7 @@ private:
   };
   struct Counted;
 
-  void FindParts();
+  void FindOverlaps();
   /// The ranges of this rank's samples, by block.
   Status FindOwnRanges(const Progress& progress);
   /// Counts this rank's samples: the sums of all threads in the first of `counted`.
@@ -72,13 +72,13 @@ private:
     const SpectrumBins& bins, const Progress& progress, std::vector<Counted>& counted) const;
   /// The active blocks and their bytes: from the ranges of all ranks.
   void SetActivity(const SpectrumBins& bins, WorkloadSpectrum& spectrum) const;
-  void CountPart(const Part& part, Counted& counted) const;
+  void CountOverlap(const Overlap& part, Counted& counted) const;
 
   MeasuredGrid Grid;
   ValueType Type;
   BlockGrid Blocks;
   std::vector<SampleView> Pieces;
-  std::vector<Part> Parts;
+  std::vector<Overlap> Overlaps;
   int Threads;
   std::vector<KeyRange> Ranges; ///< per block; of this rank, then of all
   KeyRange FiniteRange;

@@ -3,8 +3,6 @@
 
 #include "Ground/Base/Checksum.h"
 
-#include <exception>
-
 namespace isosurface
 {
 

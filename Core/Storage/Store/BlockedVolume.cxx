@@ -99,7 +99,7 @@ Result<std::vector<BlockReference>> BlockedVolume::ListBlocks(
       StoreReplica replica;
       replica.TimeStep = static_cast<std::uint32_t>(timeStep);
       replica.Part = this->FindLevel(level).Part;
-      const BlockedVolumeHeader& header = this->GetParts()[replica.Part].Header;
+      const BlockedVolumeHeader& header = this->GetStoredGrids()[replica.Part].Header;
       std::vector<BlockReference> blocks;
       for (; replica.Store < header.NumberOfStores; ++replica.Store)
       {
@@ -255,7 +255,7 @@ Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& referen
     ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   }
   const StoredLevel stored = this->FindLevel(level);
-  const VolumePart& part = this->GetParts()[stored.Part];
+  const StoredGrid& part = this->GetStoredGrids()[stored.Part];
   if (reference.Part != stored.Part || reference.Store >= part.Header.NumberOfStores ||
     reference.Block < 0 || reference.Block >= part.Grid.GetNumberOfBlocks())
   {
@@ -344,7 +344,7 @@ Result<double> BlockedVolume::EstimateTriangles(
   };
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   const StoredLevel stored = this->FindLevel(level);
-  const std::vector<VolumePart>& parts = this->GetParts();
+  const std::vector<StoredGrid>& parts = this->GetStoredGrids();
   auto finer = count(level);
   if (!finer.IsOk() || stored.Level == 0)
   {

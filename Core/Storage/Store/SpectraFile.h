@@ -2,6 +2,7 @@
 #ifndef isosurface_SpectraFile_h
 #define isosurface_SpectraFile_h
 
+#include "Ground/Base/Coding.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
@@ -14,6 +15,16 @@
 
 namespace isosurface
 {
+
+/**
+ * Appends a curve of counts in few bytes: the differences from one count to the next (of the first
+ * one from 0), modulo 2^64, as signed varints (Coding.h). After a difference of 0 follows a varint:
+ * the number of further zeros, which are omitted.
+ */
+void AppendPackedCounts(const std::vector<std::uint64_t>& counts, std::vector<std::uint8_t>& bytes);
+
+/// Reads counts.size() counts; false if there are fewer, or a number does not fit.
+bool ReadPackedCounts(ByteReader& reader, std::vector<std::uint64_t>& counts);
 
 /**
  * The file `spectra` of a time step: the spectra of the whole volume and of each store, each of
@@ -31,7 +42,7 @@ namespace isosurface
  *     |      |   unit of area             (float64) |    |   | volume, in units             |
  *     |      |   unit of volume           (float64) |    +---+------------------------------+
  *     | 32 + | per section: its end in              |
- *     | 32 A |   the file, A (D + 1) times (uint64) |    n counts each, as PackedCounts.h has
+ *     | 32 A |   the file, A (D + 1) times (uint64) |    n counts each, as AppendPackedCounts has
  *     |      | checksum of all above       (uint64) |    them
  *     |      | the sections                         |
  *     +------+--------------------------------------+

@@ -4,7 +4,6 @@
 #include "Ground/Base/Coding.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace isosurface

@@ -74,36 +74,36 @@ VolumeLayout::VolumeLayout(
 
 void VolumeLayout::AddPart(BlockedVolumeHeader header, const std::string& place)
 {
-  VolumePart part;
-  part.FirstLevel = this->Parts.empty() ? 0 : this->GetNumberOfLevels();
+  StoredGrid part;
+  part.FirstLevel = this->StoredGrids.empty() ? 0 : this->GetNumberOfLevels();
   part.Header = std::move(header);
   part.Grid = part.Header.GetBlockGrid();
   for (const TimeStepDescription& step : part.Header.TimeSteps)
   {
     part.Identities.push_back(ComputeIdentity(place, step));
   }
-  this->Parts.push_back(std::move(part));
+  this->StoredGrids.push_back(std::move(part));
 }
 
 int VolumeLayout::GetNumberOfLevels() const
 {
-  return this->Parts.back().FirstLevel + this->Parts.back().Grid.GetNumberOfLevels();
+  return this->StoredGrids.back().FirstLevel + this->StoredGrids.back().Grid.GetNumberOfLevels();
 }
 
 StoredLevel VolumeLayout::FindLevel(int level) const
 {
   std::uint32_t part = 0;
-  while (part + 1 < this->Parts.size() && this->Parts[part + 1].FirstLevel <= level)
+  while (part + 1 < this->StoredGrids.size() && this->StoredGrids[part + 1].FirstLevel <= level)
   {
     ++part;
   }
-  return { part, level - this->Parts[part].FirstLevel, &this->Parts[part].Grid };
+  return { part, level - this->StoredGrids[part].FirstLevel, &this->StoredGrids[part].Grid };
 }
 
 std::vector<std::uint64_t> VolumeLayout::ListDatasets() const
 {
   std::vector<std::uint64_t> datasets;
-  for (const VolumePart& part : this->Parts)
+  for (const StoredGrid& part : this->StoredGrids)
   {
     datasets.insert(datasets.end(), part.Identities.begin(), part.Identities.end());
   }
@@ -120,7 +120,7 @@ std::vector<std::uint64_t> VolumeLayout::ListDatasets() const
 BlockCacheKey VolumeLayout::MakeKey(
   std::int64_t block, std::size_t timeStep, std::size_t variable, const StoredLevel& stored) const
 {
-  return { this->Parts[stored.Part].Identities[timeStep], block,
+  return { this->StoredGrids[stored.Part].Identities[timeStep], block,
     static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(stored.Level) };
 }
 

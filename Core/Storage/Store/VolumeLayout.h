@@ -18,8 +18,8 @@
 namespace isosurface
 {
 
-/// The volume itself, or one of its overviews.
-struct VolumePart
+/// The blocks of the volume itself, or of one of its overviews.
+struct StoredGrid
 {
   BlockedVolumeHeader Header;
   BlockGrid Grid;
@@ -27,7 +27,7 @@ struct VolumePart
   std::vector<std::uint64_t> Identities; ///< per time step: Dataset of its BlockCacheKey
 };
 
-/// What the header of a blocked volume tells: its parts, levels and variables. It does not change.
+/// What the header of a blocked volume tells: its grids, levels and variables. It does not change.
 class VolumeLayout
 {
 public:
@@ -39,7 +39,7 @@ public:
   /// The bytes of the header's file, and its last ones, which have the checksum of all others.
   std::uint64_t GetHeaderSize() const { return this->HeaderSize; }
   const std::string& GetHeaderEnd() const { return this->HeaderEnd; }
-  const BlockedVolumeHeader& GetHeader() const { return this->Parts.front().Header; }
+  const BlockedVolumeHeader& GetHeader() const { return this->StoredGrids.front().Header; }
   /// The grid of the header's file, whatever GridPlace has changed.
   const GridGeometry& GetFoundGrid() const { return this->FoundGrid; }
   /// Differs between volumes with different headers: other contents, another write (whose time
@@ -49,10 +49,10 @@ public:
   /// The components and magnitudes that can be contoured and read.
   const ArrayVariables& GetVariables() const { return this->Variables; }
   /// The volume's own blocks, which have its finest levels.
-  const BlockGrid& GetBlockGrid() const { return this->Parts.front().Grid; }
+  const BlockGrid& GetBlockGrid() const { return this->StoredGrids.front().Grid; }
 
   /// The volume, then its overviews from the finest to the coarsest.
-  const std::vector<VolumePart>& GetParts() const { return this->Parts; }
+  const std::vector<StoredGrid>& GetStoredGrids() const { return this->StoredGrids; }
   /// Level l has every vertex whose coordinates are multiples of 2^l, wherever it is stored.
   int GetNumberOfLevels() const;
   /// `level` must be one of the volume's.
@@ -84,7 +84,7 @@ private:
   GridGeometry FoundGrid;
   std::uint64_t Fingerprint;
   ArrayVariables Variables;
-  std::vector<VolumePart> Parts;
+  std::vector<StoredGrid> StoredGrids;
   std::vector<GridLines> Lines; ///< per level, of a rectilinear grid
 };
 

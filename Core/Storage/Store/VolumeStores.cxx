@@ -4,7 +4,6 @@
 #include "Storage/Store/SourceSamples.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace isosurface
 {
@@ -45,7 +44,7 @@ VolumeStores::VolumeStores(const VolumeLayout& layout, FileSystem& files,
   , Cache(std::move(cache))
   , Opener(opener)
   , Sources(layout.GetHeader().TimeSteps.size())
-  , Spectra(layout.GetParts().size())
+  , Spectra(layout.GetStoredGrids().size())
 {
   for (std::vector<std::shared_ptr<const VolumeSpectra>>& ofPart : this->Spectra)
   {
@@ -85,7 +84,8 @@ void VolumeStores::ReplicaErrors::Add(
   std::uint32_t replica, std::int64_t ordinal, const Status& error)
 {
   this->Errors.push_back(error);
-  const BlockedVolumeHeader& header = this->Stores.Layout.GetParts()[this->Preferred.Part].Header;
+  const BlockedVolumeHeader& header =
+    this->Stores.Layout.GetStoredGrids()[this->Preferred.Part].Header;
   this->IsFinal = header.NumberOfReplicas == 1 || error.GetCode() == StatusCode::OutOfMemory ||
     error.GetCode() == StatusCode::Aborted;
   if (this->IsFinal)
@@ -157,7 +157,7 @@ Status VolumeStores::ReplicaErrors::Join() const
 std::vector<std::uint32_t> VolumeStores::OrderReplicas(
   const StoreReplica& preferred, std::int64_t ordinal) const
 {
-  const std::uint32_t count = this->Layout.GetParts()[preferred.Part].Header.NumberOfReplicas;
+  const std::uint32_t count = this->Layout.GetStoredGrids()[preferred.Part].Header.NumberOfReplicas;
   std::vector<std::uint32_t> order;
   for (std::uint32_t next = 0; next < count; ++next)
   {
@@ -184,13 +184,13 @@ std::string VolumeStores::DescribeNews(const std::vector<StoreFault>& news)
   for (const StoreFault& fault : news)
   {
     const std::uint32_t part = fault.Where.Part;
-    if (part >= this->Layout.GetParts().size() || fault.Where.Store == StoreReplica::Spectra)
+    if (part >= this->Layout.GetStoredGrids().size() || fault.Where.Store == StoreReplica::Spectra)
     {
       // Spectra balance the work, no more.
       continue;
     }
-    const std::uint32_t host = FindHost(
-      fault.Where.Store, fault.Where.Replica, this->Layout.GetParts()[part].Header.NumberOfStores);
+    const std::uint32_t host = FindHost(fault.Where.Store, fault.Where.Replica,
+      this->Layout.GetStoredGrids()[part].Header.NumberOfStores);
     if (this->ToldStores.insert({ part, host }).second)
     {
       stores += stores.empty() ? "" : ", ";
@@ -221,7 +221,7 @@ Result<StoreWork> VolumeStores::FindStoreWork(const BlockQuery& query, std::uint
   }
   StoreWork work;
   for (const StoreDescription& store :
-    this->Layout.GetParts()[part].Header.TimeSteps[query.TimeStep].Stores)
+    this->Layout.GetStoredGrids()[part].Header.TimeSteps[query.TimeStep].Stores)
   {
     work.Triangles.push_back(store.Blocks);
     work.ActiveBlocks += store.Blocks;
@@ -235,7 +235,7 @@ Result<StoreWork> VolumeStores::SumTriangles(const BlockQuery& query, std::uint3
   const std::lock_guard<std::mutex> lock(this->WorkMutex);
   ISOSURFACE_RETURN_IF_ERROR(this->ReadStoreWork(query, part));
   const WorkloadSpectrum& total = *spectra->GetTotal(query.Variable);
-  const std::uint32_t stores = this->Layout.GetParts()[part].Header.NumberOfStores;
+  const std::uint32_t stores = this->Layout.GetStoredGrids()[part].Header.NumberOfStores;
   StoreWork work;
   work.Triangles.assign(stores, 0);
   for (const double isovalue : query.Isovalues)
@@ -262,7 +262,7 @@ Status VolumeStores::ReadStoreWork(const BlockQuery& query, std::uint32_t part)
   }
   ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra, this->GetSpectra(query.TimeStep, part));
   std::vector<std::vector<std::uint64_t>> triangles;
-  for (std::uint32_t store = 0; store < this->Layout.GetParts()[part].Header.NumberOfStores;
+  for (std::uint32_t store = 0; store < this->Layout.GetStoredGrids()[part].Header.NumberOfStores;
        ++store)
   {
     const auto spectrum = spectra->GetStore(query.Variable, store);
@@ -288,7 +288,7 @@ Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(const StoreReplica& r
       return open->Store;
     }
   }
-  const BlockedVolumeHeader& header = this->Layout.GetParts()[replica.Part].Header;
+  const BlockedVolumeHeader& header = this->Layout.GetStoredGrids()[replica.Part].Header;
   const TimeStepDescription& step = header.TimeSteps[replica.TimeStep];
   std::shared_ptr<SourceSamples> source;
   if (step.Source)
@@ -316,7 +316,7 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   std::shared_ptr<SourceSamples>& kept = this->Sources[timeStep];
   if (!kept)
   {
-    const VolumePart& part = this->Layout.GetParts().front();
+    const StoredGrid& part = this->Layout.GetStoredGrids().front();
     const BlockedVolumeHeader& header = part.Header;
     ISOSURFACE_ASSIGN_OR_RETURN(kept,
       SourceSamples::Open(this->Files, this->Opener, this->Layout.GetPath(),
@@ -339,7 +339,7 @@ Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(
   std::size_t timeStep, std::uint32_t part)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  const BlockedVolumeHeader& header = this->Layout.GetParts()[part].Header;
+  const BlockedVolumeHeader& header = this->Layout.GetStoredGrids()[part].Header;
   std::shared_ptr<const VolumeSpectra>& kept = this->Spectra[part][timeStep];
   if (!kept)
   {

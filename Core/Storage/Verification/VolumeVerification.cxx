@@ -2,7 +2,6 @@
 #include "Storage/Verification/VolumeVerification.h"
 
 #include "Ground/Base/ParallelFor.h"
-#include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/SourceSamples.h"
 #include "Storage/Store/VolumeSpectra.h"
 #include "Storage/Verification/StoreCheck.h"

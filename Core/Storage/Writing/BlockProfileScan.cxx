@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <utility>
 
 namespace isosurface
 {
@@ -65,7 +64,7 @@ std::uint64_t BlockProfileScan::GetBytes(const BlockGrid& grid)
   const auto cubes =
     static_cast<std::uint64_t>((size[0] / CubeSize + 1) * (size[1] / CubeSize + 1));
   return static_cast<std::uint64_t>(grid.GetNumberOfBlocks()) * (3 * sizeof(ProfileRecord) + 16) +
-    cubes * (sizeof(Part) + 32);
+    cubes * (sizeof(OpenCube) + 32);
 }
 
 VertexBox BlockProfileScan::GetOwnVertices(std::int64_t block) const
@@ -130,9 +129,9 @@ void BlockProfileScan::Add(const SampleView& samples, const VertexBox& box)
     });
   for (const ThreadState& state : states)
   {
-    for (const Part& part : state.Parts)
+    for (const OpenCube& part : state.Open)
     {
-      this->AddPart(part);
+      this->AddOpenCube(part);
     }
   }
 }
@@ -206,13 +205,13 @@ void BlockProfileScan::AddSpan(
   }
   else
   {
-    state.Parts.push_back({ cube, part.GetNumberOfVertices(), span });
+    state.Open.push_back({ cube, part.GetNumberOfVertices(), span });
   }
 }
 
-void BlockProfileScan::AddPart(const Part& part)
+void BlockProfileScan::AddOpenCube(const OpenCube& part)
 {
-  Part& open = this->Open[part.Cube];
+  OpenCube& open = this->Open[part.Cube];
   open.Cube = part.Cube;
   open.Vertices += part.Vertices;
   open.Span.Add(part.Span);
@@ -236,7 +235,7 @@ Message BlockProfileScan::Pack() const
     records += profile.IsEmpty() ? 0 : 1;
   }
   Message message(
-    sizeof(records) + records * sizeof(ProfileRecord) + this->Open.size() * sizeof(Part));
+    sizeof(records) + records * sizeof(ProfileRecord) + this->Open.size() * sizeof(OpenCube));
   std::uint8_t* to = message.data();
   const auto append = [&to](const auto& value)
   {
@@ -274,7 +273,7 @@ void BlockProfileScan::Unpack(const Message& message)
   }
   while (from < message.data() + message.size())
   {
-    this->AddPart(take(Part{}));
+    this->AddOpenCube(take(OpenCube{}));
   }
 }
 

@@ -51,7 +51,7 @@ public:
 
 private:
   /// The samples of a cube that were added so far.
-  struct Part
+  struct OpenCube
   {
     std::uint64_t Cube = 0;
     std::int64_t Vertices = 0;
@@ -60,7 +60,7 @@ private:
   struct ThreadState
   {
     std::vector<SampleSpan> Cubes; ///< of one block
-    std::vector<Part> Parts;
+    std::vector<OpenCube> Open;
   };
 
   VertexBox GetCube(std::uint64_t cube) const;
@@ -70,7 +70,7 @@ private:
   template <typename T>
   void AddCubeRow(const SampleView& samples, const VertexBox& row, ThreadState& state) const;
   void AddSpan(const VertexBox& part, const SampleSpan& span, ThreadState& state) const;
-  void AddPart(const Part& part);
+  void AddOpenCube(const OpenCube& part);
   Message Pack() const;
   void Unpack(const Message& message);
 
@@ -79,7 +79,7 @@ private:
   int Threads;
   Index3 CubesPerAxis;
   std::vector<BlockProfile> Profiles;
-  std::unordered_map<std::uint64_t, Part> Open; ///< incomplete cubes, by number
+  std::unordered_map<std::uint64_t, OpenCube> Open; ///< incomplete cubes, by number
 };
 
 } // namespace isosurface

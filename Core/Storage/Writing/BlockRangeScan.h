@@ -11,7 +11,6 @@
 #include "Ground/Volume/ValueKey.h"
 #include "Storage/Writing/BlockProfileScan.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -4,7 +4,6 @@
 #include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
-#include <exception>
 #include <string>
 #include <utility>
 
@@ -39,6 +38,124 @@ std::uint64_t FindLargestRecord(const BlockGrid& grid, const std::vector<ValueTy
 }
 
 } // namespace
+
+RoundPlan::RoundPlan(const BlockGrid& grid, std::size_t ranks, std::int64_t begin)
+  : Ranks(ranks)
+  , Row(grid.GetNumberOfBlocksPerAxis()[0])
+  , Layer(Row * grid.GetNumberOfBlocksPerAxis()[1])
+  , Blocks(grid.GetNumberOfBlocks())
+  , Next(begin)
+{
+}
+
+BlockSpan RoundPlan::CutSpan(std::int64_t begin, std::int64_t blocks) const
+{
+  std::int64_t count = blocks;
+  if (begin % this->Layer == 0 && blocks >= this->Layer)
+  {
+    count = blocks / this->Layer * this->Layer;
+  }
+  else
+  {
+    const bool isRows = begin % this->Row == 0 && blocks >= this->Row;
+    const std::int64_t unit = isRows ? this->Layer : this->Row;
+    count = isRows ? blocks / this->Row * this->Row : blocks;
+    count = std::min(count, unit - begin % unit);
+  }
+  return { begin, std::min(this->Blocks, begin + count) };
+}
+
+std::vector<BlockSpan> RoundPlan::Propose(std::int64_t blocks) const
+{
+  // The remaining blocks are divided evenly.
+  const auto ranks = static_cast<std::int64_t>(this->Ranks);
+  const std::int64_t remaining = this->Blocks - this->Next;
+  const std::int64_t share = std::max<std::int64_t>(1, (remaining + ranks - 1) / ranks);
+  std::vector<BlockSpan> spans;
+  std::int64_t begin = this->Next;
+  for (std::size_t rank = 0; rank < this->Ranks; ++rank)
+  {
+    spans.push_back(this->CutSpan(begin, std::min(blocks, share)));
+    begin = spans.back().End;
+  }
+  return spans;
+}
+
+void RoundPlan::Take(const std::vector<BlockSpan>& spans)
+{
+  this->Next = spans.back().End;
+}
+
+RoundWriting::RoundWriting(std::vector<PendingBlock> blocks, Write write, RecordBuffers& records,
+  std::shared_ptr<RoundWriting> before)
+  : Blocks(std::move(blocks))
+  , WriteBlock(std::move(write))
+  , Records(records)
+  , Finished(Blocks.size(), false)
+  , Outcome(std::async(std::launch::async,
+      [this, before = std::move(before)]() mutable
+      {
+        const std::shared_ptr<RoundWriting> held = std::move(before);
+        return this->WriteAll(held.get());
+      }))
+{
+}
+
+RoundWriting::~RoundWriting()
+{
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    this->IsStopped = true;
+  }
+  this->Changed.notify_all();
+  this->Outcome.wait();
+}
+
+void RoundWriting::MarkFinished(std::size_t index)
+{
+  bool isWanted = false;
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    this->Finished[index] = true;
+    isWanted = index == this->Wanted;
+  }
+  if (isWanted)
+  {
+    this->Changed.notify_all();
+  }
+}
+
+/// Waits until a block is finished. Returns false if there is nothing to wait for any longer.
+bool RoundWriting::WaitFor(std::size_t index)
+{
+  std::unique_lock<std::mutex> lock(this->Mutex);
+  this->Wanted = index;
+  this->Changed.wait(lock, [&] { return this->IsStopped || this->Finished[index]; });
+  return !this->IsStopped;
+}
+
+Status RoundWriting::WriteAll(RoundWriting* before)
+{
+  const auto write = [&]() -> Status
+  {
+    if (before)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(before->Wait());
+    }
+    for (std::size_t index = 0; index < this->Blocks.size(); ++index)
+    {
+      if (!this->WaitFor(index))
+      {
+        return Status(StatusCode::Aborted, "writing was given up");
+      }
+      PendingBlock& block = this->Blocks[index];
+      ISOSURFACE_RETURN_IF_ERROR(this->WriteBlock(block));
+      this->Records.Return(std::move(block.Record));
+    }
+    return Status::Ok();
+  };
+  return Attempt("a round of blocks cannot be written", write);
+}
 
 BlockRounds::BlockRounds(Communicator& ranks, BoxSource& source, const BlockGrid& grid,
   const std::vector<ValueType>& types, const BlockExchange& exchange, const BlockShipment& shipment,

@@ -5,22 +5,100 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/BoxSource.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/BlockShipment.h"
 #include "Storage/Writing/RecordBuffers.h"
-#include "Storage/Writing/RoundPlan.h"
-#include "Storage/Writing/RoundWriting.h"
 #include "Storage/Writing/SpanSamples.h"
 
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <future>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 namespace isosurface
 {
+
+/// Plans which rank makes the records of which blocks in which round; equal on all ranks. A round
+/// is a span of blocks, divided among the ranks. So blocks come in the order of their indices, and
+/// stores are written by appending records of any size.
+class RoundPlan
+{
+public:
+  /// `begin`: the first block that is planned.
+  RoundPlan(const BlockGrid& grid, std::size_t ranks, std::int64_t begin);
+
+  bool IsDone() const { return this->Next == this->Blocks; }
+  /// How many blocks are planned, with those before the first one.
+  std::int64_t GetCount() const { return this->Next; }
+
+  /// The spans of the next round, one for each rank, of at most `blocks` (> 0) blocks: whole layers
+  /// of blocks, whole rows, or parts of a row, so that few samples are read twice.
+  std::vector<BlockSpan> Propose(std::int64_t blocks) const;
+  /// Continues after these spans.
+  void Take(const std::vector<BlockSpan>& spans);
+
+private:
+  BlockSpan CutSpan(std::int64_t begin, std::int64_t blocks) const;
+
+  std::size_t Ranks;
+  std::int64_t Row;
+  std::int64_t Layer;
+  std::int64_t Blocks;
+  std::int64_t Next;
+};
+
+/**
+ * Writes the blocks of a round in their order by a thread of its own, each as soon as it and all
+ * blocks before it are finished. So few records wait at a time, and their memory, which is used
+ * again at once, stays in the processor's cache.
+ */
+class RoundWriting
+{
+public:
+  using Write = std::function<Status(const PendingBlock&)>;
+
+  /// Starts the thread. It waits for `before`, the writing of the round before, which may be null.
+  /// The records of written blocks return to `records`, which must outlive this object, as must
+  /// what `write` refers to. Throws std::system_error if there is no thread.
+  RoundWriting(std::vector<PendingBlock> blocks, Write write, RecordBuffers& records,
+    std::shared_ptr<RoundWriting> before);
+  RoundWriting(const RoundWriting&) = delete;
+  RoundWriting& operator=(const RoundWriting&) = delete;
+  /// Gives up the blocks that are not written.
+  ~RoundWriting();
+
+  /// A block may be changed until it is marked as finished.
+  std::vector<PendingBlock>& GetBlocks() { return this->Blocks; }
+  /// Any thread may mark a block, each once.
+  void MarkFinished(std::size_t index);
+  /// Waits until all blocks are written; all have to be marked. Returns the first error of this
+  /// round and those before it. Any number of threads may wait.
+  Status Wait()
+  {
+    std::shared_future<Status> outcome = this->Outcome; // one for each thread
+    return outcome.get();
+  }
+
+private:
+  Status WriteAll(RoundWriting* before);
+  bool WaitFor(std::size_t index);
+
+  std::vector<PendingBlock> Blocks;
+  Write WriteBlock;
+  RecordBuffers& Records;
+  std::mutex Mutex;
+  std::condition_variable Changed;
+  std::vector<bool> Finished; ///< per block
+  std::size_t Wanted = 0;     ///< the block that the thread waits for
+  bool IsStopped = false;
+  std::shared_future<Status> Outcome; ///< the last member, since the thread uses the others
+};
 
 /// The steps of a round that the caller provides.
 struct BlockRoundsSteps

@@ -8,7 +8,6 @@
 #include "Storage/Writing/VolumePlan.h"
 
 #include <algorithm>
-#include <cstdint>
 
 namespace isosurface
 {

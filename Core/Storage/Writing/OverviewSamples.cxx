@@ -5,7 +5,6 @@
 #include "Storage/Record/BlockSegment.h"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
 namespace isosurface
@@ -77,11 +76,11 @@ OverviewSource::OverviewSource(FileSystem& files, std::string folder, const Bloc
     {
       this->LayerOffsets.insert(this->LayerOffsets.end(), offsets.begin(), offsets.end());
     }
-    offsets[this->FindStore(block)] += this->GetPartBytes(block);
+    offsets[this->FindStore(block)] += this->GetBlockBytes(block);
   }
 }
 
-std::uint64_t OverviewSource::GetPartBytes(std::int64_t block) const
+std::uint64_t OverviewSource::GetBlockBytes(std::int64_t block) const
 {
   return static_cast<std::uint64_t>(FindOverviewPart(this->Finer, block).GetNumberOfVertices()) *
     this->VertexBytes;
@@ -114,14 +113,14 @@ std::uint64_t OverviewSource::GetReadBytes(const VertexBox& box) const
     8 * this->Types.size() +
     static_cast<std::uint64_t>(rows * this->Finer.GetNumberOfBlocksPerAxis()[0]) *
     (2 * sizeof(std::int64_t)) +
-    this->Stores * sizeof(Part);
+    this->Stores * sizeof(BlockRun);
 }
 
-std::vector<OverviewSource::Part> OverviewSource::FindParts(
+std::vector<OverviewSource::BlockRun> OverviewSource::FindRuns(
   std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const
 {
   const Index3& blocks = this->Finer.GetNumberOfBlocksPerAxis();
-  std::vector<Part> parts(this->Stores);
+  std::vector<BlockRun> parts(this->Stores);
   for (std::size_t store = 0; store < this->Stores; ++store)
   {
     parts[store].Offset =
@@ -132,20 +131,20 @@ std::vector<OverviewSource::Part> OverviewSource::FindParts(
     for (std::int64_t column = 0; column < blocks[0]; ++column)
     {
       const std::int64_t block = this->Finer.GetBlockIndex({ column, row, layer });
-      Part& part = parts[this->FindStore(block)];
+      BlockRun& part = parts[this->FindStore(block)];
       if (row < beginRow)
       {
-        part.Offset += this->GetPartBytes(block);
+        part.Offset += this->GetBlockBytes(block);
         continue;
       }
-      part.Size += this->GetPartBytes(block);
+      part.Size += this->GetBlockBytes(block);
       part.Blocks.push_back(block);
     }
   }
   return parts;
 }
 
-Status OverviewSource::ReadPart(const Part& part, std::size_t store, const VertexBox& box,
+Status OverviewSource::ReadRun(const BlockRun& part, std::size_t store, const VertexBox& box,
   const std::vector<std::uint8_t*>& samples)
 {
   ISOSURFACE_ASSIGN_OR_RETURN(
@@ -198,12 +197,12 @@ Result<BoxSamples> OverviewSource::Read(const VertexBox& box)
   for (std::int64_t layer = this->FindBlock(box.Low[2], 2);
        layer <= this->FindBlock(box.High[2] - 1, 2); ++layer)
   {
-    const std::vector<Part> parts = this->FindParts(layer, beginRow, endRow);
+    const std::vector<BlockRun> parts = this->FindRuns(layer, beginRow, endRow);
     for (std::size_t store = 0; store < this->Stores; ++store)
     {
       if (parts[store].Size > 0)
       {
-        ISOSURFACE_RETURN_IF_ERROR(this->ReadPart(parts[store], store, box, samples));
+        ISOSURFACE_RETURN_IF_ERROR(this->ReadRun(parts[store], store, box, samples));
       }
     }
   }

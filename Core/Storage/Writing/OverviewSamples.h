@@ -52,23 +52,24 @@ public:
 
 private:
   /// Blocks of one layer, in whole rows [Begin, End), of one store.
-  struct Part
+  struct BlockRun
   {
     std::uint64_t Offset = 0; ///< in the store's file
     std::uint64_t Size = 0;
     std::vector<std::int64_t> Blocks;
   };
 
-  std::uint64_t GetPartBytes(std::int64_t block) const;
+  std::uint64_t GetBlockBytes(std::int64_t block) const;
   std::size_t FindStore(std::int64_t block) const
   {
     return this->BlockStores[static_cast<std::size_t>(block)];
   }
   /// The block on an axis that supplies a vertex.
   std::int64_t FindBlock(std::int64_t vertex, std::size_t axis) const;
-  std::vector<Part> FindParts(std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
+  std::vector<BlockRun> FindRuns(
+    std::int64_t layer, std::int64_t beginRow, std::int64_t endRow) const;
   /// Copies the samples of a part within a box to their places in samples[array].
-  Status ReadPart(const Part& part, std::size_t store, const VertexBox& box,
+  Status ReadRun(const BlockRun& part, std::size_t store, const VertexBox& box,
     const std::vector<std::uint8_t*>& samples);
 
   FileSystem& Files;

@@ -10,10 +10,8 @@
 #include "Storage/Store/FinishedBlocks.h"
 #include "Storage/Store/SpectraFile.h"
 #include "Storage/Store/VolumeSpectra.h"
-#include "Storage/Writing/BlockRounds.h"
 #include "Storage/Writing/BlockShipment.h"
 #include "Storage/Writing/BlockStoreWriter.h"
-#include "Storage/Writing/StoreReplication.h"
 
 #include <algorithm>
 #include <utility>

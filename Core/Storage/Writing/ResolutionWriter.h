@@ -12,14 +12,13 @@
 #include "Storage/Writing/BlockCounts.h"
 #include "Storage/Writing/BlockExchange.h"
 #include "Storage/Writing/BlockRangeScan.h"
+#include "Storage/Writing/BlockRounds.h"
 #include "Storage/Writing/OverviewSamples.h"
-#include "Storage/Writing/RoundPlan.h"
 #include "Storage/Writing/WriteContext.h"
 #include "Storage/Writing/WriteJournal.h"
 #include "Storage/Writing/WrittenStores.h"
 
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>

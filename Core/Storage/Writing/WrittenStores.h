@@ -25,6 +25,13 @@
 namespace isosurface
 {
 
+/// Copies a finished store of the last time step of `header`, which may be that of an overview, to
+/// the folders of other stores, as many as it has replicas there, and brings the copies to stable
+/// storage. `path`: that of the volume. Cost: one pass over the store's files for each replica.
+/// Memory: a MiB.
+Status ReplicateStore(FileSystem& files, const std::string& path, const BlockedVolumeHeader& header,
+  std::uint32_t store);
+
 /// The stores of a grid that this rank writes, with the samples that they leave for a coarser grid and
 /// with their journals. Nothing of it is collective.
 class WrittenStores

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/Coding.h"
-#include "Storage/Record/ByteCodec.h"
 #include "Storage/Record/RecordCodec.h"
 
 #include "Fixtures/VolumeOnDisk.h"

@@ -2,7 +2,6 @@
 #include "Storage/Sampling/LevelSamples.h"
 #include "Fixtures/VolumeOnDisk.h"
 
-#include <algorithm>
 #include <random>
 
 using namespace isosurface;

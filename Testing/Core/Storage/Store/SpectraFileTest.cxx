@@ -4,7 +4,6 @@
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
-#include "Storage/Store/PackedCounts.h"
 
 #include <limits>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Blocks of a round are written in their order, whatever the order in which they are finished.
-#include "Storage/Writing/RoundWriting.h"
+#include "Storage/Writing/BlockRounds.h"
 
 #include <gtest/gtest.h>
 
