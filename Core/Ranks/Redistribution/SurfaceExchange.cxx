@@ -4,16 +4,91 @@
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/WithinMemory.h"
 #include "Ranks/Redistribution/BlockPacking.h"
-#include "Ranks/Redistribution/SurfaceUnpacking.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 namespace isosurface
 {
+/// Makes the surface of arriving blocks in a thread of its own, so that the calling thread can go
+/// on exchanging messages with other ranks.
+class SurfaceUnpacking
+{
+public:
+  /// Starts the thread. Header and request must outlive the object. Throws std::system_error if the
+  /// thread cannot be started.
+  SurfaceUnpacking(const EdgeIndexHeader& header, const ContourRequest& request,
+    std::vector<BlockDescription> blocks, int threads)
+    : Blocks(std::move(blocks))
+    , Thread(
+        [this, &header, &request, threads]
+        {
+          Result<Surface> surface = this->Unpack(header, request, threads);
+          const std::lock_guard<std::mutex> lock(this->Mutex);
+          this->Outcome = std::move(surface);
+          this->Done.notify_all();
+        })
+  {
+  }
+
+  /// Stops the thread, whether it has finished or not.
+  ~SurfaceUnpacking()
+  {
+    this->Stopped = true;
+    this->Blocks.GiveUp();
+    this->Thread.join();
+  }
+
+  SurfaceUnpacking(const SurfaceUnpacking&) = delete;
+  SurfaceUnpacking& operator=(const SurfaceUnpacking&) = delete;
+
+  ArrivingBlocks& GetBlocks() { return this->Blocks; }
+  /// The fraction that is done, 0 to 1.
+  double GetShare() const { return this->Share; }
+  /// The surface, once all blocks have arrived; calls `progress` while it waits.
+  Result<Surface> Finish(const Progress& progress)
+  {
+    std::unique_lock<std::mutex> lock(this->Mutex);
+    while (!this->Done.wait_for(
+      lock, std::chrono::milliseconds(20), [this] { return this->Outcome.has_value(); }))
+    {
+      if (progress && !progress(this->Share))
+      {
+        this->Stopped = true;
+        return Status(StatusCode::Aborted, "The redistribution was aborted.");
+      }
+    }
+    return std::move(*this->Outcome);
+  }
+
+private:
+  Result<Surface> Unpack(const EdgeIndexHeader& header, const ContourRequest& request, int threads)
+  {
+    const auto progress = [this](double share)
+    {
+      this->Share = share;
+      return !this->Stopped;
+    };
+    return RunWithinMemory("", "There is not enough memory to redistribute the isosurface.",
+      [&] { return UnpackBlocks(header, request, this->Blocks, threads, progress); });
+  }
+
+  ArrivingBlocks Blocks;
+  std::atomic<double> Share{ 0 };
+  std::atomic<bool> Stopped{ false };
+  std::mutex Mutex;
+  std::condition_variable Done;
+  std::optional<Result<Surface>> Outcome;
+  std::thread Thread; ///< last, since it uses all the others
+};
+
 namespace
 {
 

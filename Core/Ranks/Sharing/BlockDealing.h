@@ -12,6 +12,19 @@ namespace isosurface
 {
 
 /**
+ * Predicts the triangles of active blocks, up to a factor, from nothing but which blocks are active. A
+ * surface that crosses a face of a block makes the block behind it active, too; so a block whose
+ * neighbours are active on both sides of two axes has a sheet through its middle, and one with few
+ * active neighbours has a corner cut off. The weights are a fit to 52 isosurfaces of eleven volumes
+ * (Documentation/dev/load-balance.md); the prediction correlates with the triangles at 0.56.
+ *
+ * `blocks`: numbers in the grid, ascending. The result is positive. Cost: 26 look-ups a block in a
+ * bit map of the box around the blocks; where that had more than 2^28 bits, all have equal work.
+ */
+std::vector<std::int64_t> PredictActiveBlockWork(
+  const BlockGrid& grid, const std::vector<std::int64_t>& blocks);
+
+/**
  * Deals the blocks of a grid to ranks so that each rank has equally many in every part of space: the
  * blocks of a rank are a lattice, whose nearest neighbours are as far from each other as possible.
  * So the active blocks of any isovalue, and their triangles, fall to all ranks evenly. A block has
@@ -19,7 +32,7 @@ namespace isosurface
  * needs a message from another one.
  *
  * Active blocks of an isovalue that are nevertheless uneven are evened out: ranks with too much
- * predicted work give a few blocks to others (ActiveBlockWork).
+ * predicted work give a few blocks to others.
  */
 class BlockDealing
 {

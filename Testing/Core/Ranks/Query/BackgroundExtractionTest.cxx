@@ -5,7 +5,6 @@
 #include "Ranks/Query/VolumeContour.h"
 
 #include <chrono>
-#include <cstring>
 #include <thread>
 
 using namespace isosurface;

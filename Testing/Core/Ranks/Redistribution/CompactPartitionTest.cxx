@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parts of blocks are equal in work and compact in space.
-#include "Ranks/Redistribution/CompactPartition.h"
+#include "Ranks/Redistribution/ExchangePlan.h"
 
 #include <gtest/gtest.h>
 

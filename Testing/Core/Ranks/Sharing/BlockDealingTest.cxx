@@ -4,7 +4,6 @@
 
 #include "Fixtures/LongTests.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Ranks/Sharing/ActiveBlockWork.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <gtest/gtest.h>
