@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/CollectiveTask.h"
 
-#include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace isosurface
 {

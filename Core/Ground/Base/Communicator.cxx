@@ -5,7 +5,6 @@
 #include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace isosurface
