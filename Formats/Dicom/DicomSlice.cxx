@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Dicom/DicomSlice.h"
 
-#include "Formats/Dicom/DicomCompression.h"
 #include "Formats/Dicom/DicomDataSet.h"
 #include "Formats/Dicom/DicomImageFile.h"
 #include "Ground/Base/FileSystem.h"
@@ -14,14 +13,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <istream>
 #include <limits>
 #include <mutex>
-#include <optional>
 #include <sstream>
 #include <streambuf>
 

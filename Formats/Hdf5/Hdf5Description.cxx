@@ -5,7 +5,6 @@
 #include "Formats/Zarr/JsonField.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 

@@ -4,7 +4,6 @@
 #include "Ground/Base/FileSystem.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>

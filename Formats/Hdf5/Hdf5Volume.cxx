@@ -1,19 +1,125 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Hdf5/Hdf5Volume.h"
-
 #include "Formats/Hdf5/Hdf5Description.h"
 #include "Formats/Hdf5/Hdf5File.h"
-#include "Formats/Hdf5/ImarisReader.h"
 #include "Formats/Source/ArraySource.h"
+#include "Formats/Source/FormatFunctions.h"
+#include "Ground/Volume/VolumeOpener.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace isosurface
 {
 namespace
 {
+
+std::string NameLevel(std::size_t level)
+{
+  return "/DataSet/ResolutionLevel " + std::to_string(level);
+}
+
+/// How many things of a group are named "`prefix` 0", "`prefix` 1" and so on.
+std::size_t CountNames(const Hdf5File& file, const std::string& group, const std::string& prefix)
+{
+  const std::vector<std::string> names =
+    file.Has(group) ? file.FindNames(group) : std::vector<std::string>();
+  std::size_t count = 0;
+  while (std::binary_search(names.begin(), names.end(), prefix + " " + std::to_string(count)))
+  {
+    ++count;
+  }
+  return count;
+}
+
+/// The finest level of at most so many vertices, or the coarsest.
+std::size_t ChooseLevelOfImaris(const Hdf5File& file, std::int64_t vertices)
+{
+  const std::size_t levels = CountNames(file, "/DataSet", "ResolutionLevel");
+  for (std::size_t level = 0; vertices > 0 && level < levels; ++level)
+  {
+    const Index3 size = FindSizeOfImaris(file, NameLevel(level) + "/TimePoint 0/Channel 0");
+    const double samples =
+      static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
+    if (samples <= static_cast<double>(vertices) || level + 1 == levels)
+    {
+      return samples > 0 ? level : 0;
+    }
+  }
+  return 0;
+}
+
+/// Whether a file is of Imaris 5.5 or later.
+bool IsImaris(const Hdf5File& file)
+{
+  return file.Has("/DataSetInfo") && file.Has("/DataSet") && file.Has(NameLevel(0)) &&
+    file.Has(NameLevel(0) + "/TimePoint 0") && file.Has(NameLevel(0) + "/TimePoint 0/Channel 0");
+}
+
+/// Opens a file of Imaris: its channels are arrays, its time points time steps, its resolution levels a
+/// pyramid. Datasets are larger than the image, which ImageSizeX, Y and Z of each channel tell.
+Result<OpenedVolume> OpenImaris(const Hdf5File& file, const VolumeChoice& choice)
+{
+  OpenedVolume volume;
+  volume.Grid.Extent = {};
+  const std::size_t level = ChooseLevelOfImaris(file, choice.Vertices);
+  volume.Level = static_cast<int>(level);
+  const std::size_t steps = CountNames(file, NameLevel(level), "TimePoint");
+  const std::string point = NameLevel(level) + "/TimePoint " + std::to_string(choice.Step);
+  const std::size_t channels = CountNames(file, point, "Channel");
+  Hdf5Description description;
+  std::vector<VolumeArray> parts;
+  std::vector<std::string> names;
+  for (std::size_t channel = 0; channel < channels; ++channel)
+  {
+    const std::string number = std::to_string(channel);
+    const std::string group = point + "/Channel " + number;
+    const Index3 size = FindSizeOfImaris(file, group);
+    const StoredArray::Numbers shape =
+      size[0] > 0 ? StoredArray::Numbers{ size[2], size[1], size[0] } : StoredArray::Numbers();
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto array, file.OpenArray(group + "/Data", choice.CacheBytes / channels, shape, false));
+    const std::string info = "/DataSetInfo/Channel " + number;
+    const std::string said =
+      file.Has(info) ? file.ReadText(info, "Name").value_or("") : std::string();
+    const bool isNew = std::find(names.begin(), names.end(), said) == names.end();
+    names.push_back(!said.empty() && isNew ? said : "channel " + number);
+    const auto axes = ArrayAxes::Parse("zyx", array->GetShape().size());
+    if (!axes.IsOk())
+    {
+      return Status(axes.GetStatus().GetCode(),
+        array->GetName() + ": cannot be read: " + axes.GetStatus().GetMessage());
+    }
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto made, MakeVolumeArrays(names.back(), std::move(array), *axes, 0));
+    parts.insert(parts.end(), made.begin(), made.end());
+  }
+  if (parts.empty())
+  {
+    return Status(StatusCode::NotFound,
+      file.GetPath() + ":" + point + ": cannot be read: there are no channels of Imaris");
+  }
+  FindPlaceOfImaris(file, parts.front().GetDimensions(), description);
+  ISOSURFACE_RETURN_IF_ERROR(TakeVolumeArrays(std::move(parts), choice.Arrays, volume));
+  volume.Grid.Spacing = description.Place.Spacing;
+  volume.Grid.Origin = description.Place.Origin;
+  for (std::size_t step = 0; steps > 1 && step < steps; ++step)
+  {
+    volume.Times.push_back(static_cast<double>(step));
+  }
+  if (steps > 1)
+  {
+    description.AddNote("time points are numbered; the dates of Imaris are not used");
+  }
+  volume.Grid.Unit = FindLengthUnit(description.Unit);
+  if (!description.Unit.empty() && volume.Grid.Unit == LengthUnit::Unknown)
+  {
+    description.AddNote("the unit of lengths, " + description.Unit + ", is not kept");
+  }
+  volume.LeftOut = description.Notes;
+  return volume;
+}
 
 std::string GetLastPart(const std::string& path)
 {
@@ -112,7 +218,7 @@ Result<OpenedVolume> OpenDataset(
     return AddObject(name, path, axes.GetStatus());
   }
   ISOSURFACE_ASSIGN_OR_RETURN(
-    auto parts, MakeParts(GetLastPart(path), std::move(array), *axes, choice.Step));
+    auto parts, MakeVolumeArrays(GetLastPart(path), std::move(array), *axes, choice.Step));
   OpenedVolume volume;
   NoteAttributes(file, path, description);
   volume.Grid = description.Place;
@@ -120,7 +226,7 @@ Result<OpenedVolume> OpenDataset(
   volume.Times = std::move(description.Times);
   volume.LeftOut = description.Notes;
   volume.Attributes = choice.WantsAttributes ? file.DescribeAttributes(path) : "";
-  ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), choice.Arrays, volume));
+  ISOSURFACE_RETURN_IF_ERROR(TakeVolumeArrays(std::move(parts), choice.Arrays, volume));
   for (ArrayDescription& taken : volume.Arrays)
   {
     taken.Unit = description.SampleUnit;
@@ -250,7 +356,7 @@ private:
 
   Status TakeArrays(const VolumeChoice& choice)
   {
-    std::vector<ArrayPart> parts;
+    std::vector<VolumeArray> parts;
     const std::string group = this->Group + "/PointData";
     const std::string prefix = group + "/";
     const bool hasSteps = !this->Volume.Times.empty();
@@ -276,7 +382,8 @@ private:
         ISOSURFACE_ASSIGN_OR_RETURN(
           entry, this->FindEntry(array, choice.Step, stored->GetShape()[0]));
       }
-      ISOSURFACE_ASSIGN_OR_RETURN(auto made, MakeParts(array, std::move(stored), *axes, entry));
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        auto made, MakeVolumeArrays(array, std::move(stored), *axes, entry));
       parts.insert(parts.end(), made.begin(), made.end());
     }
     if (parts.empty())
@@ -284,7 +391,7 @@ private:
       return this->MakeError(StatusCode::NotFound, "it has no point arrays");
     }
     const std::array<std::int64_t, 6> extent = this->Volume.Grid.Extent;
-    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), choice.Arrays, this->Volume));
+    ISOSURFACE_RETURN_IF_ERROR(TakeVolumeArrays(std::move(parts), choice.Arrays, this->Volume));
     return this->Volume.Grid.Extent == extent
       ? Status::Ok()
       : this->MakeError(StatusCode::Corrupt, "its point arrays do not have its WholeExtent");
@@ -348,6 +455,22 @@ Result<std::vector<VolumeListing>> ListHdf5(FileSystem& /*files*/, const VolumeN
 
 } // namespace
 
+/**
+ * A volume in an HDF5 file:
+ *
+ *     file:/path     the dataset of that path, with 3 to 5 axes (ArrayAxes::Parse), as the file
+ *                    describes it (Hdf5Description)
+ *     file:/group    image data of VTKHDF, if the group is one
+ *     file           image data of VTKHDF in /VTKHDF, the image of Imaris, or else the only dataset
+ *                    of numbers with three axes, or the only one with four, or with five; a last axis
+ *                    of one sample does not count
+ *
+ * VTKHDF (the file format of VTK's documentation, version 1 and 2): ImageData alone, with its extent,
+ * origin, spacing, direction, point arrays and time steps.
+ *
+ * Errors: NotFound, with the datasets of the file, if it does not say which one is meant.
+ */
+extern "C" const FormatFunctions IsosurfaceHdf5Format;
 const FormatFunctions IsosurfaceHdf5Format = { OpenHdf5Volume, ListHdf5 };
 
 } // namespace isosurface

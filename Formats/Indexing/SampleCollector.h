@@ -7,7 +7,6 @@
 #include "Ground/Volume/VolumeOpener.h"
 
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <vector>
 

@@ -9,7 +9,6 @@
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <cmath>
-#include <cstddef>
 
 namespace isosurface
 {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Netcdf/NetcdfVolume.h"
-
 #include "Formats/Netcdf/NetcdfFile.h"
 #include "Formats/Source/ArraySource.h"
 #include "Formats/Source/ConvertedSource.h"
+#include "Formats/Source/FormatFunctions.h"
 #include "Formats/Source/TextFields.h"
 
 #include <algorithm>
@@ -56,9 +55,10 @@ public:
     ISOSURFACE_RETURN_IF_ERROR(this->TakePlaces());
     ISOSURFACE_RETURN_IF_ERROR(this->TakeTimes());
     ISOSURFACE_ASSIGN_OR_RETURN(auto parts,
-      MakeParts(this->Variable->Path.substr(this->Variable->Path.rfind('/') + 1), std::move(array),
-        this->Axes, this->Choice.Step));
-    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), this->Choice.Arrays, this->Volume));
+      MakeVolumeArrays(this->Variable->Path.substr(this->Variable->Path.rfind('/') + 1),
+        std::move(array), this->Axes, this->Choice.Step));
+    ISOSURFACE_RETURN_IF_ERROR(
+      TakeVolumeArrays(std::move(parts), this->Choice.Arrays, this->Volume));
     ISOSURFACE_RETURN_IF_ERROR(this->TakeLines());
     ISOSURFACE_RETURN_IF_ERROR(this->TakeScale());
     for (ArrayDescription& taken : this->Volume.Arrays)
@@ -355,6 +355,17 @@ Result<std::vector<VolumeListing>> ListNetcdf(FileSystem& /*files*/, const Volum
 
 } // namespace
 
+/**
+ * A variable of three or four axes in a NetCDF file: "file.nc:variable", "file.nc:group/variable", or
+ * "file.nc" if there is only one. What the axes are is found by the CF conventions: the attributes axis,
+ * standard_name and units of the coordinates; without them, the order is z, y, x, with t before. The
+ * coordinates of z, y and x have equal steps, or ascend and make a rectilinear grid; those of equal
+ * steps that descend reverse a direction. Times are the coordinates of t. Samples with scale_factor
+ * and add_offset are scaled, to the type of these attributes.
+ *
+ * Source: "NetCDF Climate and Forecast (CF) Metadata Conventions" 1.10, sections 4, 5 and 8.1.
+ */
+extern "C" const FormatFunctions IsosurfaceNetcdfFormat;
 const FormatFunctions IsosurfaceNetcdfFormat = { OpenNetcdfVolume, ListNetcdf };
 
 } // namespace isosurface

@@ -6,7 +6,6 @@
 #include "Formats/Plain/RawSamples.h"
 #include "Formats/Plain/RawVolume.h"
 #include "Formats/Source/FileNames.h"
-#include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/FormatModule.h"
 #include "Formats/Source/SliceFiles.h"
 #include "Formats/Zarr/ZarrVolume.h"

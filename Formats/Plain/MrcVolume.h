@@ -4,8 +4,6 @@
 
 #include "Formats/Source/FormatFunctions.h"
 
-#include <string>
-
 namespace isosurface
 {
 

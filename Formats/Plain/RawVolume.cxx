@@ -6,17 +6,228 @@
 #include "Formats/Source/AxisUnits.h"
 #include "Formats/Source/FileNames.h"
 #include "Formats/Source/GzipFile.h"
-#include "Formats/Source/RawSource.h"
-#include "Formats/Source/SectionFile.h"
-#include "Formats/Source/SeriesFile.h"
+#include "Ground/Base/FileSystem.h"
+#include "Ground/Volume/BoxSource.h"
+#include "Ground/Volume/PageBuffer.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 namespace isosurface
 {
 namespace
 {
+
+/**
+ * The samples of one array in a file, x fastest, then y, then z. Cost of a box: one read for whole
+ * slices, or one for each if their size is a multiple of 4096 bytes (ChooseSlicePitch); a read for
+ * each slice for whole rows, otherwise a read for each row.
+ */
+class RawSource : public BoxSource
+{
+public:
+  /// The file contains all samples and nothing before them. `heldBytes`: the memory of `file`.
+  RawSource(std::unique_ptr<RandomAccessFile> file, const Index3& size, ValueType type,
+    bool isBigEndian, std::uint64_t heldBytes)
+    : File(std::move(file))
+    , Box{ { 0, 0, 0 }, size }
+    , Type(type)
+    , IsBigEndian(isBigEndian)
+    , HeldBytes(heldBytes)
+    , Pool(std::make_shared<PageBufferPool>())
+  {
+  }
+
+  const VertexBox& GetBox() const override { return this->Box; }
+  std::uint64_t GetReadBytes(const VertexBox& box) const override
+  {
+    const std::size_t valueSize = GetValueSize(this->Type);
+    const Index3 size = box.GetSize();
+    const std::int64_t slices = std::max<std::int64_t>(1, size[2]);
+    return static_cast<std::uint64_t>(
+             ChooseSlicePitch(box, valueSize) * (slices - 1) + size[0] * size[1]) *
+      valueSize;
+  }
+
+  std::uint64_t GetHeldBytes() const override { return this->HeldBytes; }
+  std::optional<Index3> GetChunk() const override
+  {
+    if (this->HeldBytes > 0)
+    {
+      return std::nullopt; // a stream
+    }
+    // Whole rows, which follow each other in the file.
+    constexpr std::int64_t rows = 32;
+    const Index3 size = this->Box.GetSize();
+    return Index3{ size[0], std::min(rows, size[1]), std::min(rows, size[2]) };
+  }
+
+  bool HasCheapRows() const override { return this->HeldBytes == 0; } // no stream
+  /// Whole slices.
+  void Prefetch(const VertexBox& box) const override
+  {
+    const Index3 whole = this->Box.GetSize();
+    const std::uint64_t slice =
+      static_cast<std::uint64_t>(whole[0] * whole[1]) * GetValueSize(this->Type);
+    this->File->Prefetch(static_cast<std::uint64_t>(box.Low[2]) * slice,
+      static_cast<std::uint64_t>(box.GetSize()[2]) * slice);
+  }
+
+  Result<BoxSamples> Read(const VertexBox& box) override
+  {
+    auto samples = this->Pool->Take(this->GetReadBytes(box));
+    if (!samples.IsOk())
+    {
+      return Status(samples.GetStatus().GetCode(),
+        this->File->GetPath() + ": cannot read: " + samples.GetStatus().GetMessage());
+    }
+    std::uint8_t* bytes = (*samples)->GetData();
+    const std::int64_t pitch = ChooseSlicePitch(box, GetValueSize(this->Type));
+    const std::int64_t slice = box.GetSize()[0] * box.GetSize()[1];
+    if (pitch == slice)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->ReadSamples(box, bytes));
+    }
+    else
+    {
+      VertexBox part = box;
+      for (part.Low[2] = box.Low[2]; part.Low[2] < box.High[2]; part.Low[2] = part.High[2])
+      {
+        part.High[2] = part.Low[2] + 1;
+        const auto first = static_cast<std::size_t>((part.Low[2] - box.Low[2]) * pitch);
+        ISOSURFACE_RETURN_IF_ERROR(
+          this->ReadSamples(part, bytes + first * GetValueSize(this->Type)));
+      }
+    }
+    return MakeBoxSamples(this->Type, box, std::move(*samples), pitch);
+  }
+
+private:
+  Status ReadSamples(const VertexBox& box, std::uint8_t* to) const
+  {
+    const Index3 whole = this->Box.GetSize();
+    const Index3 size = box.GetSize();
+    const std::size_t valueSize = GetValueSize(this->Type);
+    // Reads as many rows and slices at once as are contiguous in the file.
+    const std::int64_t rows = size[0] == whole[0] ? size[1] : 1;
+    const std::int64_t slices = rows == whole[1] ? size[2] : 1;
+    const std::size_t bytes = static_cast<std::size_t>(size[0] * rows * slices) * valueSize;
+    for (std::int64_t k = box.Low[2]; k < box.High[2]; k += slices)
+    {
+      for (std::int64_t j = box.Low[1]; j < box.High[1]; j += rows)
+      {
+        const auto sample = static_cast<std::uint64_t>(box.Low[0] + whole[0] * (j + whole[1] * k));
+        ISOSURFACE_RETURN_IF_ERROR(this->File->Read(sample * valueSize, bytes, to));
+        if (this->IsBigEndian)
+        {
+          DispatchValueType(
+            this->Type, [&](auto zero) { SwapBytes<decltype(zero)>(to, bytes / valueSize); });
+        }
+        to += bytes;
+      }
+    }
+    return Status::Ok();
+  }
+
+  std::unique_ptr<RandomAccessFile> File;
+  VertexBox Box;
+  ValueType Type;
+  bool IsBigEndian;
+  std::uint64_t HeldBytes;
+  std::shared_ptr<PageBufferPool> Pool;
+};
+
+template <typename T>
+void SwapBytes(std::uint8_t* bytes, std::size_t samples)
+{
+  for (std::size_t sample = 0; sample < samples; ++sample)
+  {
+    std::reverse(bytes + sample * sizeof(T), bytes + (sample + 1) * sizeof(T));
+  }
+}
+
+/**
+ * A series of files of equal size as if they were one file. A file is opened when it is read, and
+ * only the last one stays open, so there may be any number of files. One thread at a time may read.
+ */
+class SeriesFile : public RandomAccessFile
+{
+public:
+  /// Opens one file of the series. The result must have `size` bytes.
+  using Opener = std::function<Result<std::unique_ptr<RandomAccessFile>>(const std::string& path)>;
+
+  SeriesFile(Opener open, std::vector<std::string> paths, std::uint64_t size)
+    : Open(std::move(open))
+    , Paths(std::move(paths))
+    , Size(size)
+  {
+  }
+
+  Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
+  {
+    auto* to = static_cast<std::uint8_t*>(bytes);
+    while (size > 0)
+    {
+      const auto number = static_cast<std::size_t>(offset / this->Size);
+      const std::uint64_t within = offset % this->Size;
+      if (number >= this->Paths.size())
+      {
+        return Status(
+          StatusCode::Corrupt, this->Paths.back() + ": truncated: the series of files ends here");
+      }
+      if (!this->OpenFile || this->OpenNumber != number)
+      {
+        ISOSURFACE_ASSIGN_OR_RETURN(this->OpenFile, this->Open(this->Paths[number]));
+        this->OpenNumber = number;
+      }
+      const auto count =
+        static_cast<std::size_t>(std::min<std::uint64_t>(size, this->Size - within));
+      ISOSURFACE_RETURN_IF_ERROR(this->OpenFile->Read(within, count, to));
+      to += count;
+      offset += count;
+      size -= count;
+    }
+    return Status::Ok();
+  }
+  std::uint64_t GetSize() const override { return this->Paths.size() * this->Size; }
+  const std::string& GetPath() const override { return this->Paths.front(); }
+
+private:
+  Opener Open;
+  std::vector<std::string> Paths;
+  std::uint64_t Size;
+  mutable std::size_t OpenNumber = 0;
+  mutable std::unique_ptr<RandomAccessFile> OpenFile;
+};
+
+/// `size` bytes of a file, from offset `begin`, as a file of their own. The file must contain them.
+class SectionFile : public RandomAccessFile
+{
+public:
+  SectionFile(std::unique_ptr<RandomAccessFile> file, std::uint64_t begin, std::uint64_t size)
+    : File(std::move(file))
+    , Begin(begin)
+    , Size(size)
+  {
+  }
+
+  Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
+  {
+    return this->File->Read(this->Begin + offset, size, bytes);
+  }
+  void Prefetch(std::uint64_t offset, std::uint64_t size) const override
+  {
+    this->File->Prefetch(this->Begin + offset, size);
+  }
+  std::uint64_t GetSize() const override { return this->Size; }
+  const std::string& GetPath() const override { return this->File->GetPath(); }
+
+private:
+  std::unique_ptr<RandomAccessFile> File;
+  std::uint64_t Begin;
+  std::uint64_t Size;
+};
 
 /// The offset after `lines` lines of text that begin at `begin`.
 Result<std::uint64_t> SkipLines(

@@ -14,10 +14,10 @@ namespace
 
 constexpr std::int64_t MaximumSize = std::int64_t{ 1 } << 31;
 constexpr std::int64_t MaximumChannels = 1024;
-/// Parts begin at addresses that suit every type.
+/// Arrays begin at addresses that suit every type.
 constexpr std::uint64_t Alignment = 64;
 
-std::uint64_t CountBytes(const ArrayPart& part, const VertexBox& box)
+std::uint64_t CountBytes(const VolumeArray& part, const VertexBox& box)
 {
   const std::uint64_t bytes = static_cast<std::uint64_t>(box.GetNumberOfVertices()) *
     static_cast<std::uint64_t>(part.Channels) * GetValueSize(part.Array->GetType());
@@ -25,7 +25,7 @@ std::uint64_t CountBytes(const ArrayPart& part, const VertexBox& box)
 }
 
 /// Adds the views of a part's samples of the box, one for each component.
-void AddViews(const ArrayPart& part, const VertexBox& box, const StoredArray::Numbers& size,
+void AddViews(const VolumeArray& part, const VertexBox& box, const StoredArray::Numbers& size,
   const std::uint8_t* samples, BoxSamples& slab)
 {
   StoredArray::Numbers strides(size.size(), 1);
@@ -49,14 +49,14 @@ void AddViews(const ArrayPart& part, const VertexBox& box, const StoredArray::Nu
 
 } // namespace
 
-Index3 ArrayPart::GetDimensions() const
+Index3 VolumeArray::GetDimensions() const
 {
   const StoredArray::Numbers& shape = this->Array->GetShape();
   return { shape[static_cast<std::size_t>(this->Axes.X)],
     shape[static_cast<std::size_t>(this->Axes.Y)], shape[static_cast<std::size_t>(this->Axes.Z)] };
 }
 
-Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
+Result<std::vector<VolumeArray>> MakeVolumeArrays(const std::string& name,
   std::shared_ptr<StoredArray> array, const ArrayAxes& axes, std::size_t step,
   const std::vector<std::string>& channels)
 {
@@ -82,7 +82,7 @@ Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
       array->GetName() + ": has " + std::to_string(steps) + " time steps, and none of number " +
         std::to_string(step));
   }
-  ArrayPart part;
+  VolumeArray part;
   part.Name = name;
   part.Array = std::move(array);
   part.Axes = axes;
@@ -97,9 +97,9 @@ Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
   if (count == 1 || isInterleaved)
   {
     part.Channels = count;
-    return std::vector<ArrayPart>{ part };
+    return std::vector<VolumeArray>{ part };
   }
-  std::vector<ArrayPart> parts;
+  std::vector<VolumeArray> parts;
   for (std::int64_t channel = 0; channel < count; ++channel)
   {
     const auto index = static_cast<std::size_t>(channel);
@@ -110,14 +110,14 @@ Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
   return parts;
 }
 
-Status TakeParts(
-  std::vector<ArrayPart> parts, const std::vector<std::string>& names, OpenedVolume& volume)
+Status TakeVolumeArrays(
+  std::vector<VolumeArray> parts, const std::vector<std::string>& names, OpenedVolume& volume)
 {
-  std::vector<ArrayPart> chosen;
+  std::vector<VolumeArray> chosen;
   for (const std::string& name : names)
   {
     const auto found = std::find_if(
-      parts.begin(), parts.end(), [&name](const ArrayPart& part) { return part.Name == name; });
+      parts.begin(), parts.end(), [&name](const VolumeArray& part) { return part.Name == name; });
     if (found != parts.end())
     {
       chosen.push_back(*found);
@@ -134,7 +134,7 @@ Status TakeParts(
     volume.Grid.Extent[2 * at + 1] = volume.Grid.Extent[2 * at] + size[at] - 1;
   }
   volume.Arrays.clear();
-  for (const ArrayPart& part : parts)
+  for (const VolumeArray& part : parts)
   {
     if (part.GetDimensions() != size)
     {
@@ -143,7 +143,7 @@ Status TakeParts(
     }
     volume.Arrays.push_back({ part.Name, part.Array->GetType(), static_cast<int>(part.Channels) });
   }
-  const ArrayPart& first = parts.front();
+  const VolumeArray& first = parts.front();
   if (first.Axes.Time >= 0 && volume.Times.empty())
   {
     const std::int64_t steps = first.Array->GetShape()[static_cast<std::size_t>(first.Axes.Time)];
@@ -156,9 +156,9 @@ Status TakeParts(
   return Status::Ok();
 }
 
-ArraySource::ArraySource(std::vector<ArrayPart> parts)
-  : Parts(std::move(parts))
-  , Box{ { 0, 0, 0 }, this->Parts.front().GetDimensions() }
+ArraySource::ArraySource(std::vector<VolumeArray> parts)
+  : Arrays(std::move(parts))
+  , Box{ { 0, 0, 0 }, this->Arrays.front().GetDimensions() }
   , Pool(std::make_shared<PageBufferPool>())
 {
 }
@@ -166,7 +166,7 @@ ArraySource::ArraySource(std::vector<ArrayPart> parts)
 std::uint64_t ArraySource::GetReadBytes(const VertexBox& box) const
 {
   std::uint64_t bytes = 0;
-  for (const ArrayPart& part : this->Parts)
+  for (const VolumeArray& part : this->Arrays)
   {
     bytes += CountBytes(part, box);
   }
@@ -177,7 +177,7 @@ std::uint64_t ArraySource::GetHeldBytes() const
 {
   std::uint64_t bytes = 0;
   std::set<const StoredArray*> counted;
-  for (const ArrayPart& part : this->Parts)
+  for (const VolumeArray& part : this->Arrays)
   {
     bytes += counted.insert(part.Array.get()).second ? part.Array->GetHeldBytes() : 0;
   }
@@ -187,7 +187,7 @@ std::uint64_t ArraySource::GetHeldBytes() const
 std::int64_t ArraySource::GetRowsAtOnce() const
 {
   std::int64_t least = BoxSource::GetRowsAtOnce();
-  for (const ArrayPart& part : this->Parts)
+  for (const VolumeArray& part : this->Arrays)
   {
     const StoredArray::Numbers chunk = part.Array->GetChunk();
     const auto of = [&chunk](int axis)
@@ -216,7 +216,7 @@ std::optional<Index3> ArraySource::GetChunk() const
 {
   // Without chunks: whole rows, which follow each other in the file.
   constexpr std::int64_t rows = 32;
-  const ArrayPart& part = this->Parts.front();
+  const VolumeArray& part = this->Arrays.front();
   const StoredArray::Numbers chunk = part.Array->GetChunk();
   const std::array<int, 3> axes = { part.Axes.X, part.Axes.Y, part.Axes.Z };
   const int fastest = std::max({ axes[0], axes[1], axes[2] });
@@ -233,8 +233,8 @@ std::optional<Index3> ArraySource::GetChunk() const
 
 bool ArraySource::HasCheapRows() const
 {
-  return std::all_of(this->Parts.begin(), this->Parts.end(),
-    [](const ArrayPart& part)
+  return std::all_of(this->Arrays.begin(), this->Arrays.end(),
+    [](const VolumeArray& part)
     {
       return part.Array->GetChunk().empty() && part.Axes.Z < part.Axes.Y &&
         part.Axes.Y < part.Axes.X;
@@ -245,8 +245,8 @@ bool ArraySource::DecodesInParallel() const
 {
   // Channels in chunks of their own alone: others are decoded once for all of them.
   std::set<const StoredArray*> arrays;
-  return std::all_of(this->Parts.begin(), this->Parts.end(),
-    [&](const ArrayPart& part)
+  return std::all_of(this->Arrays.begin(), this->Arrays.end(),
+    [&](const VolumeArray& part)
     { return part.Array->DecodesInParallel() && arrays.insert(part.Array.get()).second; });
 }
 
@@ -256,12 +256,12 @@ Result<BoxSamples> ArraySource::Read(const VertexBox& box)
   if (!samples.IsOk())
   {
     return Status(samples.GetStatus().GetCode(),
-      this->Parts.front().Array->GetName() + ": cannot read: " + samples.GetStatus().GetMessage());
+      this->Arrays.front().Array->GetName() + ": cannot read: " + samples.GetStatus().GetMessage());
   }
   std::uint8_t* to = (*samples)->GetData();
   BoxSamples slab;
   const Index3 boxSize = box.GetSize();
-  for (const ArrayPart& part : this->Parts)
+  for (const VolumeArray& part : this->Arrays)
   {
     StoredArray::Numbers low(part.Array->GetShape().size(), 0);
     StoredArray::Numbers size(low.size(), 1);

@@ -17,7 +17,7 @@ namespace isosurface
 {
 
 /// An array of a volume: one time step of a stored array, and one or more of its channels.
-struct ArrayPart
+struct VolumeArray
 {
   std::string Name;
   std::shared_ptr<StoredArray> Array;
@@ -30,17 +30,17 @@ struct ArrayPart
   Index3 GetDimensions() const;
 };
 
-/// The parts of a stored array: its time step `step`; if channels are the fastest axis, they are the
-/// components of one part, otherwise each is a part of its own, named by `channels` or its number.
+/// The arrays of time step `step` of a stored array: if channels are its fastest axis, they are the
+/// components of one array, otherwise each is an array of its own, named by `channels` or its number.
 /// InvalidArgument if there is no such step; Corrupt or Unsupported if a volume cannot have the shape.
-Result<std::vector<ArrayPart>> MakeParts(const std::string& name,
+Result<std::vector<VolumeArray>> MakeVolumeArrays(const std::string& name,
   std::shared_ptr<StoredArray> array, const ArrayAxes& axes, std::size_t step,
   const std::vector<std::string>& channels = {});
 
-/// Sets Grid.Extent, Arrays, Times (to numbers from 0) and Source of a volume from parts of equal
+/// Sets Grid.Extent, Arrays, Times (to numbers from 0) and Source of a volume from arrays of equal
 /// dimensions, of which `names` chooses some; all are taken if one name is unknown.
-Status TakeParts(
-  std::vector<ArrayPart> parts, const std::vector<std::string>& names, OpenedVolume& volume);
+Status TakeVolumeArrays(
+  std::vector<VolumeArray> arrays, const std::vector<std::string>& names, OpenedVolume& volume);
 
 /**
  * Boxes of stored arrays, whose axes may have any order: the samples stay in the order of the file,
@@ -49,22 +49,22 @@ Status TakeParts(
 class ArraySource : public BoxSource
 {
 public:
-  /// The parts must have the same dimensions.
-  explicit ArraySource(std::vector<ArrayPart> parts);
+  /// The arrays must have the same dimensions.
+  explicit ArraySource(std::vector<VolumeArray> arrays);
 
   const VertexBox& GetBox() const override { return this->Box; }
   std::uint64_t GetReadBytes(const VertexBox& box) const override;
   std::uint64_t GetHeldBytes() const override;
   std::int64_t GetRowsAtOnce() const override;
-  /// That of the first part.
+  /// That of the first array.
   std::optional<Index3> GetChunk() const override;
-  /// Whether no part has chunks, and z is the slowest of the axes of each.
+  /// Whether no array has chunks, and z is the slowest of the axes of each.
   bool HasCheapRows() const override;
   bool DecodesInParallel() const override;
   Result<BoxSamples> Read(const VertexBox& box) override;
 
 private:
-  std::vector<ArrayPart> Parts;
+  std::vector<VolumeArray> Arrays;
   VertexBox Box;
   std::shared_ptr<PageBufferPool> Pool;
 };

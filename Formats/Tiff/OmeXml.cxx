@@ -2,7 +2,6 @@
 #include "Formats/Tiff/OmeXml.h"
 
 #include "Formats/Source/TextFields.h"
-#include "Formats/Tiff/TiffUnits.h"
 
 #include <pugixml.hpp>
 

@@ -2,7 +2,6 @@
 #include "Formats/Tiff/TiffDescription.h"
 
 #include "Formats/Source/TextFields.h"
-#include "Formats/Tiff/TiffUnits.h"
 #include "Formats/Zarr/JsonField.h"
 #include "Ground/Volume/LengthUnit.h"
 

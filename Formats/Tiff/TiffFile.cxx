@@ -12,7 +12,6 @@
 #include <limits>
 #include <optional>
 #include <type_traits>
-#include <utility>
 
 namespace isosurface
 {

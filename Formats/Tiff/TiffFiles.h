@@ -4,12 +4,10 @@
 
 #include "Formats/Tiff/TiffFile.h"
 
-#include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace isosurface
 {

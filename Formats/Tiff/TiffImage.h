@@ -13,6 +13,13 @@
 namespace isosurface
 {
 
+/// The unit of length that OME or ImageJ names; empty for pixels.
+std::string NormalizeUnit(const std::string& unit);
+
+/// Brings lengths on three axes to the unit of the first one. False if they have several, and one of
+/// them is no known unit of length; then they stay.
+bool UniteLengths(std::array<double, 3>& lengths, const std::array<std::string, 3>& units);
+
 /**
  * An image of TIFF files, as their descriptions tell it: slices, channels and frames (time steps),
  * whose planes are pages in any order, perhaps of several files.

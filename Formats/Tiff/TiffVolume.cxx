@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Tiff/TiffVolume.h"
-
 #include "Formats/Source/ArraySource.h"
+#include "Formats/Source/FormatFunctions.h"
 #include "Formats/Source/SliceFiles.h"
 #include "Formats/Tiff/TiffImages.h"
 #include "Formats/Tiff/TiffPlanes.h"
-#include "Formats/Tiff/TiffUnits.h"
+#include "Formats/Tiff/TiffImage.h"
 
 #include <algorithm>
 #include <utility>
@@ -19,17 +18,17 @@ const char* const ArrayName = "Tiff Scalars";
 
 /// What a channel is called, among those before it.
 std::string NameChannel(
-  const TiffImage& image, std::int64_t channel, const std::vector<ArrayPart>& parts)
+  const TiffImage& image, std::int64_t channel, const std::vector<VolumeArray>& parts)
 {
   const auto number = static_cast<std::size_t>(channel);
   const std::string name = number < image.ChannelNames.size() ? image.ChannelNames[number] : "";
   const bool isNew = std::none_of(
-    parts.begin(), parts.end(), [&name](const ArrayPart& part) { return part.Name == name; });
+    parts.begin(), parts.end(), [&name](const VolumeArray& part) { return part.Name == name; });
   return !name.empty() && isNew ? name : ArrayName + std::string(" ") + std::to_string(channel);
 }
 
 /// The arrays of all channels, and of the planes of each.
-Result<std::vector<ArrayPart>> MakeChannels(
+Result<std::vector<VolumeArray>> MakeChannels(
   FileSystem& files, const TiffPlanes& planes, const TiffImage& image)
 {
   const auto paths = std::make_shared<const std::vector<std::string>>(planes.GetPaths());
@@ -37,7 +36,7 @@ Result<std::vector<ArrayPart>> MakeChannels(
   const bool hasComponents = format.Components > 1;
   const auto axes = ArrayAxes::Parse(hasComponents ? "zyxc" : "zyx", hasComponents ? 4 : 3);
   const bool isAlone = image.Sizes[TiffImage::Channels] == 1 && format.Planes == 1;
-  std::vector<ArrayPart> parts;
+  std::vector<VolumeArray> parts;
   for (const auto& [channel, slices] : planes.GetChannels())
   {
     for (std::int64_t plane = 0; plane < format.Planes; ++plane)
@@ -51,7 +50,8 @@ Result<std::vector<ArrayPart>> MakeChannels(
         auto array, TiffArray::Open(files, paths, std::move(ofPlane), format, image.IsOffset));
       const std::string name =
         isAlone ? ArrayName : NameChannel(image, channel * format.Planes + plane, parts);
-      ISOSURFACE_ASSIGN_OR_RETURN(const auto made, MakeParts(name, std::move(array), *axes, 0));
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        const auto made, MakeVolumeArrays(name, std::move(array), *axes, 0));
       parts.insert(parts.end(), made.begin(), made.end());
     }
   }
@@ -118,7 +118,7 @@ Result<OpenedVolume> OpenTiff(FileSystem& files, const VolumeName& name, const V
   ISOSURFACE_ASSIGN_OR_RETURN(auto parts, MakeChannels(files, planes, image));
   OpenedVolume volume;
   volume.Grid.Extent = {};
-  ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), choice.Arrays, volume));
+  ISOSURFACE_RETURN_IF_ERROR(TakeVolumeArrays(std::move(parts), choice.Arrays, volume));
   if (!stack.LeftOut.empty())
   {
     image.AddNote(stack.LeftOut);
@@ -165,6 +165,20 @@ Result<std::vector<VolumeListing>> ListTiff(FileSystem& files, const VolumeName&
 
 } // namespace
 
+/**
+ * A volume of TIFF:
+ *
+ *     file           the first image of the file; the pages are slices, channels and time steps as
+ *                    OME-XML, ImageJ or tifffile say in the descriptions, or all of them slices
+ *     file:NAME      another image, by its name, identifier or number (from 0)
+ *     folder, a*.tif a slice a page of all files (SliceFiles); or, if the first one has OME-XML that
+ *                    names others, its first image
+ *
+ * Channels are arrays, samples of a pixel components. Of a pyramid (tag SubIFDs) it may be a coarser
+ * level, whose slices are as far apart as its rows (of a level with half of the rows every second page)
+ * unless few would be left.
+ */
+extern "C" const FormatFunctions IsosurfaceTiffFormat;
 const FormatFunctions IsosurfaceTiffFormat = { OpenTiff, ListTiff };
 
 } // namespace isosurface

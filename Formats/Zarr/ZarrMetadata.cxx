@@ -6,7 +6,6 @@
 #include "Ground/Volume/CutToRange.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>

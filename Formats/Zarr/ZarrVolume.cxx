@@ -241,9 +241,10 @@ private:
     auto array = std::make_shared<ZarrArray>(
       this->Files, folder, std::move(metadata), this->Choice.CacheBytes);
     ISOSURFACE_ASSIGN_OR_RETURN(auto parts,
-      MakeParts(this->ArrayName.empty() ? this->MakeName() : this->ArrayName, array, *axes,
+      MakeVolumeArrays(this->ArrayName.empty() ? this->MakeName() : this->ArrayName, array, *axes,
         this->Choice.Step, channels));
-    ISOSURFACE_RETURN_IF_ERROR(TakeParts(std::move(parts), this->Choice.Arrays, this->Volume));
+    ISOSURFACE_RETURN_IF_ERROR(
+      TakeVolumeArrays(std::move(parts), this->Choice.Arrays, this->Volume));
     this->Axes = *axes;
     this->Volume.Files = { folder };
     this->Volume.Storage = node.Array.dump();

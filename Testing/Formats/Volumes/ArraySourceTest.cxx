@@ -80,7 +80,7 @@ TEST(ArraySource, AxesOfAnyOrderTimesAndChannelsAreFound)
   // x, c, z, t, y.
   const StoredArray::Numbers shape = { 5, 2, 4, 3, 6 };
   const auto axes = Require(ArrayAxes::Parse("xczty", 5));
-  const auto parts = Require(MakeParts("a", std::make_shared<MemoryArray>(shape), axes, 2));
+  const auto parts = Require(MakeVolumeArrays("a", std::make_shared<MemoryArray>(shape), axes, 2));
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_EQ(parts[1].Name, "a 1");
   ArraySource source(parts);
@@ -105,7 +105,7 @@ TEST(ArraySource, TheFastestAxisOfChannelsIsComponents)
 {
   const StoredArray::Numbers shape = { 3, 4, 5, 3 };
   const auto axes = ArrayAxes::Parse("zyxc", 4);
-  const auto parts = MakeParts("v", std::make_shared<MemoryArray>(shape), *axes, 0);
+  const auto parts = MakeVolumeArrays("v", std::make_shared<MemoryArray>(shape), *axes, 0);
   ASSERT_EQ(parts->size(), 1U);
   EXPECT_EQ((*parts)[0].Channels, 3);
   ArraySource source(*parts);
@@ -124,7 +124,7 @@ TEST(ArraySource, AxesThatMakeNoVolumeAreErrors)
   const auto axes = Require(ArrayAxes::Parse("", 4));
   EXPECT_EQ(axes.Time, 0);
   const auto array = std::make_shared<MemoryArray>(StoredArray::Numbers{ 2, 3, 4, 5 });
-  const auto parts = MakeParts("a", array, axes, 2);
+  const auto parts = MakeVolumeArrays("a", array, axes, 2);
   EXPECT_EQ(
     parts.GetStatus().GetMessage(), "/data/a:array: has 2 time steps, and none of number 2");
 }
@@ -136,7 +136,7 @@ TEST(ArraySource, MoreTimeStepsThanAFileMayHaveAreRefused)
   {
     const auto array =
       std::make_shared<MemoryArray>(StoredArray::Numbers{ MaximumTimeSteps + more, 2, 2, 2 });
-    EXPECT_EQ(MakeParts("a", array, axes, 0).IsOk(), more == 0);
+    EXPECT_EQ(MakeVolumeArrays("a", array, axes, 0).IsOk(), more == 0);
   }
 }
 
@@ -161,7 +161,7 @@ TEST(ArraySource, RowsOfChunksThatTheCacheHoldsAreReadAtOnce)
   const auto find = [](const StoredArray::Numbers& chunk, std::uint64_t cacheBytes)
   {
     const auto array = std::make_shared<ChunkedArray>(chunk, cacheBytes);
-    return ArraySource(*MakeParts("a", array, *ArrayAxes::Parse("", 3), 0)).GetRowsAtOnce();
+    return ArraySource(*MakeVolumeArrays("a", array, *ArrayAxes::Parse("", 3), 0)).GetRowsAtOnce();
   };
   constexpr std::int64_t any = std::numeric_limits<std::int64_t>::max();
   // A row has 3 chunks of 16 KiB, a layer 4 rows (the last one in part).
@@ -178,7 +178,7 @@ TEST(ConvertedSource, ScalesRowsWithAndWithoutGaps)
 {
   const auto axes = ArrayAxes::Parse("xyz", 3);
   const StoredArray::Numbers shape = { 5, 4, 3 };
-  const auto parts = MakeParts("a", std::make_shared<MemoryArray>(shape), *axes, 0);
+  const auto parts = MakeVolumeArrays("a", std::make_shared<MemoryArray>(shape), *axes, 0);
   ConvertedSource source(
     std::make_unique<ArraySource>(*parts), ValueType::Int32, { 0.5, -3 }, ValueType::Float32);
   const VertexBox box = { { 1, 0, 1 }, { 5, 3, 3 } };
@@ -227,7 +227,7 @@ TEST(PermutedSource, AxesChangePlaces)
 {
   const StoredArray::Numbers shape = { 3, 4, 5 };
   const auto parts =
-    MakeParts("a", std::make_shared<MemoryArray>(shape), *ArrayAxes::Parse("", 3), 0);
+    MakeVolumeArrays("a", std::make_shared<MemoryArray>(shape), *ArrayAxes::Parse("", 3), 0);
   // Its x, y and z become z, x and y.
   PermutedSource source(std::make_unique<ArraySource>(*parts), { 2, 0, 1 });
   EXPECT_EQ(source.GetBox().GetSize(), (Index3{ 4, 3, 5 }));
