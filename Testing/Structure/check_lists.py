@@ -29,7 +29,7 @@ NAMES = (
     ("Core/Storage/Spectrum/WorkloadSpectrum.h", r"^  Counts (\w+);", (
         "Filters/SpectrumTable.cxx", "Filters/vtkContourSpectrum.h", "Plugin/Gui/SpectrumCurve.h",
         "Interface/VolumeCalls.cxx", "Testing/Readers/read_blocked_volume.py",
-        "Tools/PrintedSpectrum.cxx")),
+        "Tools/InfoCommand.cxx")),
     ("Tools/BlockVolumeOptions.cxx", r'add_(?:option|flag)\(\s*"(--[\w-]+)"', (
         "Documentation/reference/command-line.md",)),
     ("Tools/EdgeIndexOptions.cxx", r'add_(?:option|flag)\(\s*"(--[\w-]+)"', (

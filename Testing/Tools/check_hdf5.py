@@ -198,6 +198,39 @@ class VtkHdf(SourceCase):
         path = self.write("s.vtkhdf", "o.bvol", "--step", "1")
         self.assert_equal_volumes(path, self.write_raw(steps[1], "density", "--time", "4.5"))
 
+    def test_time_steps_are_where_their_offsets_say(self):
+        def write_steps(entries, offsets):
+            with h5py.File(self.path("e.vtkhdf"), "w") as file:
+                group = file.create_group("VTKHDF")
+                group.attrs["Type"] = numpy.bytes_("ImageData")
+                group.attrs["WholeExtent"] = (0, 69, 0, 36, 0, 40)
+                group["PointData/data"] = images[:entries]
+                group["Steps/Values"] = [0.5, 1, 1.5]
+                if offsets:
+                    group["Steps/PointDataOffsets/data"] = offsets
+        images = numpy.stack([make_samples("int16", phase=entry) for entry in range(4)])
+        for entries, offsets in ((2, [1, 0, 1]), (3, [2, 1, 0]), (3, None)):
+            write_steps(entries, offsets)
+            for step, entry in enumerate(offsets or range(3)):
+                path = self.write("e.vtkhdf", "o.bvol", "--step", str(step))
+                self.assert_equal_volumes(path, self.write_raw(images[entry], "data", "--time", str(0.5 + 0.5 * step)))
+        self.assert_error("e.vtkhdf", "e.vtkhdf:/VTKHDF", "3 time steps, and none of number 3",
+                          arguments=["--step", "3"])
+        for entries in (2, 4):
+            write_steps(entries, None)
+            self.assert_error("e.vtkhdf", "Steps/Values has 3 time steps, the point array data has "
+                              f"{entries}, and no Steps/PointDataOffsets/data")
+        write_steps(3, [0, 1])
+        self.assert_error("e.vtkhdf", "/Steps/PointDataOffsets/data: cannot be read: it has 2 numbers for 3 time steps")
+        for offset in (-1, 3):
+            write_steps(3, [0, offset, 2])
+            self.write("e.vtkhdf", "o.bvol", "--step", "2")
+            self.assert_error("e.vtkhdf", f"time step 1 has the number {offset}, the point array has 3",
+                              arguments=["--step", "1"])
+        with h5py.File(self.path("master.h5"), "w") as file:
+            file["VTKHDF"] = h5py.ExternalLink("e.vtkhdf", "/VTKHDF")
+        self.write("master.h5", "o.bvol", "--step", "2")
+
 
 class DescribedCase(SourceCase):
     def assert_volume(self, source, samples, array, *arguments, told=(), unit=None, **place):
@@ -425,6 +458,116 @@ class Imaris(DescribedCase):
             group = file["DataSet/ResolutionLevel 0/TimePoint 0/Channel 0"]
             group.attrs["ImageSizeX"] = numpy.array([b"9", b"9", b"9"], "S1")
         self.assert_error("e.ims", "e.ims:/DataSet/ResolutionLevel 0", "999")
+
+
+class OtherFiles(DescribedCase):
+    """Links, virtual datasets and external samples."""
+
+    def setUp(self):
+        self.samples = make_samples("int16")
+
+    def write_part(self, name, path="data"):
+        with h5py.File(self.path(name), "w") as file:
+            file[path] = self.samples
+
+    @staticmethod
+    def add_virtual(file, name, other, path):
+        layout = h5py.VirtualLayout(SHAPE, "int16")
+        layout[...] = h5py.VirtualSource(other, path, shape=SHAPE)
+        file.create_virtual_dataset(name, layout)
+
+    def list_paths(self, name):
+        code, out, err = self.run_tool("--list", name)
+        self.assertEqual(code, 0, err)
+        return [line.split()[0] for line in out.splitlines()]
+
+    def test_a_master_file_with_links_and_virtual_datasets(self):
+        os.makedirs(self.path("parts"))
+        self.write_part("parts/a.h5", "entry/data")
+        with h5py.File(self.path("master.h5"), "w") as file:
+            for name, other, path in (("relative", "parts/a.h5", "/entry/data"), ("group", "parts/a.h5", "/entry"),
+                                      ("absolute", self.path("parts/a.h5"), "/entry/data"),
+                                      ("moved", "/where/it/was/master.h5", "/relative")):
+                file[name] = h5py.ExternalLink(other, path)
+            self.add_virtual(file, "virtual", "parts/a.h5", "/entry/data")
+            self.add_virtual(file, "again", ".", "/virtual")
+            self.add_virtual(file, "linked", ".", "/relative")
+        for name in ("relative", "absolute", "moved", "group/data", "virtual", "again", "linked"):
+            self.assert_volume("master.h5:/" + name, self.samples, name.split("/")[-1])
+
+    def test_links_to_no_regular_file_are_refused_without_waiting(self):
+        os.mkfifo(self.path("pipe"))
+        os.mkfifo(self.path("slice-0"))
+        with h5py.File(self.path("p.h5"), "w") as file:
+            for name, other in (("VTKHDF", "pipe"), ("absolute", self.path("pipe")), ("device", "/dev/zero")):
+                file[name] = h5py.ExternalLink(other, "/data")
+            self.add_virtual(file, "outer", ".", "/VTKHDF")
+            layout = h5py.VirtualLayout(SHAPE, "int16", maxshape=(None, *SHAPE[1:]))
+            source = h5py.VirtualSource("slice-%b", "data", shape=(1, *SHAPE[1:]))
+            layout[0:h5py.h5s.UNLIMITED:1, :, :] = source[0:1, :, :]
+            file.create_virtual_dataset("slices", layout)
+            file["data"] = self.samples
+        for name, word in (("VTKHDF", "FIFO"), ("absolute", "FIFO"), ("device", "device"), ("outer", "FIFO"),
+                           ("slices", "slice-0")):
+            self.assert_error("p.h5:/" + name, f"p.h5:/{name}", f"it is a {word}" if "-" not in word else word)
+        self.assertEqual(self.list_paths("p.h5"), ["/data", "/outer", "/slices"])
+        with h5py.File(self.path("alone.h5"), "w") as file:
+            file["VTKHDF"] = h5py.ExternalLink("pipe", "/data")
+            file["data"] = self.samples
+        self.assert_volume("alone.h5", self.samples, "data")
+
+    def test_names_and_depth_of_virtual_sources(self):
+        self.write_part("a%b.h5", "100%b")
+        with h5py.File(self.path("v.h5"), "w") as file:
+            self.add_virtual(file, "percent", "a%%b.h5", "/100%%b")
+            file["0"] = self.samples
+            for depth in range(1, 10):
+                self.add_virtual(file, str(depth), ".", f"/{depth - 1}")
+            self.add_virtual(file, "self", ".", "/self")
+        self.assert_volume("v.h5:/percent", self.samples, "percent")
+        self.assert_volume("v.h5:/8", self.samples, "8")
+        for name in ("9", "self"):
+            self.assert_error("v.h5:/" + name, "v.h5:/" + name, "virtual datasets of virtual datasets")
+
+    def test_external_samples_are_regular_files_in_the_folder_or_below(self):
+        os.makedirs(self.path("in/below"))
+        for name, missing in (("in/below/a.raw", 0), ("a.raw", 0), ("in/short.raw", 1)):
+            with open(self.path(name), "wb") as file:
+                file.write(b"x" * 7 + self.samples.tobytes()[:self.samples.nbytes - missing])
+        os.symlink(self.path("a.raw"), self.path("in/link.raw"))
+        os.mkfifo(self.path("in/fifo"))
+        with h5py.File(self.path("in/a.h5"), "w") as file:
+            for name, other in (("relative", "below/a.raw"), ("absolute", self.path("in/below/a.raw")),
+                                ("passwords", "/etc/passwd"), ("above", "../a.raw"), ("link", "link.raw"),
+                                ("fifo", "fifo"), ("missing", "missing.raw"), ("short", "short.raw")):
+                file.create_dataset(name, SHAPE, "int16", external=[(other, 7, self.samples.nbytes)])
+            self.add_virtual(file, "virtual", ".", "/passwords")
+        for name in ("relative", "absolute"):
+            self.assert_volume("in/a.h5:/" + name, self.samples, name)
+        outside = "outside of the folder of the file"
+        for name, *words in (("passwords", "cannot be read: /etc/passwd", outside), ("above", "a.raw", outside),
+                             ("link", "link.raw", outside), ("virtual", "nor through virtual datasets"),
+                             ("fifo", "in/fifo", "it is a FIFO"), ("missing", "missing.raw", "No such file"),
+                             ("short", "short.raw", "truncated")):
+            self.assert_error("in/a.h5:/" + name, *words)
+
+    def test_lists_have_32_groups_in_one_another_and_10000_objects(self):
+        with h5py.File(self.path("g.h5"), "w") as file:
+            group = file
+            for depth in range(1000):
+                group = group.create_group("g")
+                if depth in (30, 31):
+                    group["data"] = self.samples
+            file["g/cycle"], file["again"] = file["/"], file["g"]
+        path, = self.list_paths("g.h5")
+        self.assert_volume("g.h5", self.samples, "data")
+        self.assert_volume("g.h5:" + path, self.samples, "data")
+        with h5py.File(self.path("many.h5"), "w") as file:
+            file["a/data"] = file["c/data"] = self.samples
+            for number in range(10000):
+                file.create_group(f"b{number}")
+        self.assertEqual(self.list_paths("many.h5"), ["/a/data"])
+        self.assert_volume("many.h5:/c/data", self.samples, "data")
 
 
 class ErrorsAndLists(SourceCase):

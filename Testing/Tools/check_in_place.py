@@ -226,12 +226,18 @@ class ChangesAndErrors(InPlaceCase):
             layout = h5py.VirtualLayout(SHAPE, "int16")
             layout[...] = h5py.VirtualSource("a.h5", "d", shape=SHAPE)
             file.create_virtual_dataset("virtual", layout)
-        volumes = [self.index(f"master.h5:/{name}", name + ".bvol") for name in ("link", "virtual")]
+            file.create_dataset("external", SHAPE, "int16", external=[("e.raw", 0, self.samples.nbytes)])
+            file["own"] = self.samples
+        self.samples.tofile(self.path("e.raw"))
+        volumes = [self.index(f"master.h5:/{name}", name + ".bvol") for name in ("link", "virtual", "external", "own")]
         for volume in volumes:
             self.assert_sound(volume)
-            self.assertEqual(self.read_info(volume)["timeSteps"][0]["source"]["files"], 2)
+            files = 1 if volume.endswith("own.bvol") else 2
+            self.assertEqual(self.read_info(volume)["timeSteps"][0]["source"]["files"], files)
+        volumes.pop()
         with h5py.File(self.path("a.h5"), "r+") as file:
             file["d"][3, 4, 5] += 1
+        (self.samples + 1).tofile(self.path("e.raw"))
         for volume in volumes:
             self.assert_faulty(volume, "master.h5:/", "was changed since")
 

@@ -5,6 +5,7 @@ import json
 import os
 import sys
 
+import h5py
 import netCDF4
 import numpy
 
@@ -86,6 +87,72 @@ class CoordinatesAndErrors(Files):
         self.assertEqual([step["time"] for step in info["timeSteps"]], [0, 6])
         numpy.testing.assert_allclose(info["grid"]["spacing"], (0.1, 0.5, 2), rtol=1e-6)
         numpy.testing.assert_allclose(info["grid"]["origin"], (0, -3, 7), rtol=1e-6)
+
+    def test_packed_coordinates_and_times_are_unpacked(self):
+        # y with a negative scale, as GOES-R has it, x unsigned, time with an offset alone.
+        lines = {"time": ("i4", [1, 3], {"add_offset": 100.0}),
+                 "y": ("i2", [-2, 0, 2, 4, 6], {"scale_factor": -0.25, "add_offset": 8.0}),
+                 "x": ("i1", numpy.arange(126, 132).astype("u1").view("i1"),
+                       {"scale_factor": 0.5, "_Unsigned": "true"})}
+        for format in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_DATA", "NETCDF4"):
+            with self.create("q.nc", format, steps=2, sizes=(2, 5, 6)) as file:
+                file.set_auto_maskandscale(False)
+                for name, (dtype, numbers, attributes) in lines.items():
+                    variable = file.createVariable(name, dtype, (name,))
+                    variable.setncatts(attributes)
+                    variable.set_auto_maskandscale(False)
+                    variable[:] = numbers
+                file.createVariable("data", "i2", ("time", "z", "y", "x"))[:] = numpy.arange(120).reshape(2, 2, 5, 6)
+            grid = self.convert("q.nc")[0]
+            self.assertEqual((grid["origin"], grid["spacing"]), ([63, 8.5, 0], [0.5, 0.5, 1]))
+            self.assertEqual(grid["direction"], [1, 0, 0, 0, -1, 0, 0, 0, 1])
+            steps = json.loads(self.run_tool("--info", "o.bvol", "--json")[1])["timeSteps"]
+            self.assertEqual([step["time"] for step in steps], [101, 103])
+
+    def test_coordinates_and_times_that_were_cut_off(self):
+        for format in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF3_64BIT_DATA"):
+            for last in ("time", "y"):
+                with self.create("t.nc", format, steps=2, sizes=(2, 5, 6)) as file:
+                    data = file.createVariable("data", "i2", ("time", "z", "y", "x"))
+                    line = file.createVariable(last, "f8", (last,))
+                    data[:] = numpy.arange(120).reshape(2, 2, 5, 6)
+                    line[:] = numpy.arange(len(line))
+                self.write("t.nc", "o.bvol")
+                os.truncate(self.path("t.nc"), os.path.getsize(self.path("t.nc")) - 8)
+                self.assert_error("t.nc", "t.nc:" + last, "truncated")
+
+    def test_links_and_groups_of_version_4(self):
+        samples = make_samples("int16")
+        os.mkfifo(self.path("fifo"))
+        with h5py.File(self.path("part.nc"), "w") as file:
+            file["data"] = samples
+        for other in ("part.nc", "fifo"):
+            layout = h5py.VirtualLayout(SHAPE, "int16")
+            layout[...] = h5py.VirtualSource(other, "data", shape=SHAPE)
+            with h5py.File(self.path(f"link-{other}.nc"), "w") as file:
+                file["link"] = h5py.ExternalLink(other, "/data")
+            with h5py.File(self.path(f"virtual-{other}.nc"), "w") as file:
+                file.create_virtual_dataset("virtual", layout)
+        for name in ("link", "virtual"):
+            self.assert_equal_volumes(self.write(f"{name}-part.nc.nc", "o.bvol"), self.write_raw(samples, name))
+            self.refuse(f"{name}-fifo.nc", f"{name}-fifo.nc:/{name}: cannot be read", "it is a FIFO")
+        with h5py.File(self.path("external.nc"), "w") as file:
+            file.create_dataset("external", SHAPE, "int16", external=[("fifo", 0, samples.nbytes)])
+        self.refuse("external.nc", "external.nc:/external", "not read of NetCDF")
+        with h5py.File(self.path("deep.nc"), "w") as file:
+            file["g/" * 40 + "data"] = samples
+        with h5py.File(self.path("cycle.nc"), "w") as file:
+            file["a/data"], file["a/a"] = samples, h5py.SoftLink("/a")
+        self.refuse("deep.nc", "deep.nc:/g/g", "deeper than 32")
+        self.refuse("cycle.nc", "cycle.nc:/a/a", "deeper than 32")
+
+    def refuse(self, name, *words):
+        """One error, of opening and of listing."""
+        self.assert_error(name, *words)
+        code, _, err = self.run_tool("--list", name)
+        self.assertEqual(code, 1, err)
+        for word in words:
+            self.assertIn(word, err)
 
     def test_axes_by_attributes_and_descending_coordinates(self):
         samples = make_samples("float32")

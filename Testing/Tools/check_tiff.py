@@ -157,6 +157,24 @@ class OmeTiff(TiffCase):
         self.assert_image("flat.ome.tif", images[0], told=("PhysicalSizeZ of OME-XML is missing",), unit="um",
                           spacing=(2, 2, 1))
 
+    def test_stacks_of_one_kind_of_pages_are_slices(self):
+        image = make_images(1)[0]
+        for sizes, kind in (((1, 7, 1), "channels"), ((1, 1, 7), "frames")):
+            self.write_pages("k.ome.tif", image, make_ome(SHAPE[1:], "<TiffData/>", sizes))
+            self.assert_image("k.ome.tif", image, told=(kind, "taken as slices"))
+        self.write_pages("both.ome.tif", image[:6], make_ome(SHAPE[1:], "<TiffData/>", (1, 2, 3)))
+        self.assert_error("both.ome.tif", "2 channels, 1 slices and 3 frames: there is no stack of slices")
+
+    def test_pages_of_other_files_may_be_missing(self):
+        image = make_images(1)[0]
+        self.write_pages("set.ome.tif", image, make_ome(SHAPE[1:], "<TiffData/>", (7, 2, 1)))
+        self.assert_image("set.ome.tif", image, array=ARRAY + " 0", told=("channels whose pages are in other files",))
+        # A page of several is none of a stack; in a stack of files it is a slice, of whatever.
+        for number, page in enumerate(image):
+            self.write_pages(f"s{number}.tif", image[number:number + 1], make_ome(SHAPE[1:], "<TiffData/>", (2, 2, 1)))
+        self.assert_error("s1.tif", "s1.tif", "truncated: slice 2 of 2 of channel 0")
+        self.assert_image("s*.tif", image)
+
     def test_hostile_xml_is_one_error(self):
         image = make_images(1)[0]
         bomb = '<!DOCTYPE x [<!ENTITY a "' + "a" * 1000 + '">' + "".join(
@@ -213,6 +231,15 @@ class ImageJ(TiffCase):
             file.write(struct.pack(">I", begin))
         self.assert_image("s.tif", images[1], "--arrays", ARRAY + " 1", array=ARRAY + " 1", unit="um",
                           spacing=(0.5, 0.5, 2))
+        os.truncate(self.path("s.tif"), begin + pages.nbytes - 1)
+        self.assert_error("s.tif", "s.tif", "truncated")
+
+    def test_numbers_of_images_that_the_pages_do_not_have(self):
+        pages = make_images(1)[0][:6]
+        self.write_pages("n.tif", pages, "ImageJ=1.53t\nimages=8\nchannels=2\nslices=4\n")
+        self.assert_error("n.tif", "n.tif", "2 channels, 4 slices and 1 frames, but there are 6 pages")
+        self.write_pages("t.tif", pages, "channels=2\nslices=3\n")  # not of ImageJ
+        self.assert_image("t.tif", pages)
 
     def test_stacks_of_one_kind_of_pages_are_slices(self):
         image = make_images(1)[0]
@@ -336,6 +363,36 @@ class TagsOfPages(TiffCase):
         self.assert_error("bits.tif", "bits.tif", "samples of 1 bits")
         self.write_pages("half.tif", image.astype("float16"), "")
         self.assert_error("half.tif", "half.tif", "samples of 16 bits (SampleFormat 3)")
+
+
+class Sparse(TiffCase):
+    def test_strips_and_tiles_that_are_missing_have_gdals_number_or_zero(self):
+        layouts = [{"rowsperstrip": 4}, {"rowsperstrip": 4, "compression": "zlib"}, {"tile": (16, 16)},
+                   {"tile": (16, 16), "compression": "zlib"}]
+        files = [{"byteorder": "<"}, {"byteorder": ">"}, {"byteorder": ">", "bigtiff": True}]
+        cases = (("uint16", None, 0), ("uint16", "65535 ", 65535), ("uint16", "-9999", 0), ("uint16", "65536", 0),
+                 ("uint16", "nan", 0), ("int16", "-9999", -9999), ("uint64", "18446744073709551615", 2**64 - 1),
+                 ("float32", "-3.4028235e+38", numpy.finfo("float32").min), ("float32", "1e40", 0),
+                 ("float64", "-1.5", -1.5), ("float64", "none", 0))
+        for number, (dtype, text, fill) in enumerate(cases):
+            layout, file = layouts[number % 4], files[number % 3]
+            with self.subTest(dtype=dtype, text=text, layout=layout, file=file):
+                image = make_images(1, dtype=dtype)[0]
+                self.write_pages("s.tif", image, "", file=file, **layout,
+                                 extratags=[(42113, 2, 0, text, False)] if text else [])
+                height, width = layout.get("tile", (4, SHAPE[2]))
+                across = -(-SHAPE[2] // width)
+                with tifffile.TiffFile(self.path("s.tif"), mode="r+b") as tiff:
+                    for k, page in enumerate(tiff.pages):
+                        for name in (("TileOffsets", "TileByteCounts") if "tile" in layout else
+                                     ("StripOffsets", "StripByteCounts")):
+                            values = list(page.tags[name].value)
+                            values[k % 2::2] = [0] * len(values[k % 2::2])
+                            page.tags[name].overwrite(values)
+                        for missing in range(k % 2, len(values), 2):
+                            y, x = missing // across * height, missing % across * width
+                            image[k, y:y + height, x:x + width] = fill
+                self.assert_image("s.tif", image, told=("GDAL_NODATA",) if text else ())
 
 
 class BigTiff(SourceCase):

@@ -5,7 +5,6 @@
 #include "Fixtures/MemoryDisk.h"
 #include "Fixtures/SampleVolume.h"
 
-#include <cstring>
 #include <functional>
 #include <string>
 
