@@ -49,7 +49,7 @@ MeshWriteJob::MeshWriteJob(const EdgeIndexFile& file, const Settings& settings)
   }
 }
 
-std::vector<SurfacePiece> MeshWriteJob::FindPieces() const
+std::vector<SurfacePortion> MeshWriteJob::FindPieces() const
 {
   if (this->Chosen.IsPreview)
   {
@@ -68,9 +68,9 @@ std::vector<SurfacePiece> MeshWriteJob::FindPieces() const
 Status MeshWriteJob::Write(
   const std::string& path, const std::string& partial, const Progress& progress)
 {
-  const std::vector<SurfacePiece> pieces = this->FindPieces();
+  const std::vector<SurfacePortion> pieces = this->FindPieces();
   this->PointsInAll = 0;
-  for (const SurfacePiece& piece : pieces)
+  for (const SurfacePortion& piece : pieces)
   {
     this->PointsInAll += piece.NumberOfPoints;
   }
@@ -97,7 +97,7 @@ Status MeshWriteJob::Write(
   ISOSURFACE_ASSIGN_OR_RETURN(
     const auto output, MeshFile::Create(GetLocalFileSystem(), header, settings));
   std::uint64_t done = 0;
-  for (const SurfacePiece& piece : pieces)
+  for (const SurfacePortion& piece : pieces)
   {
     const auto all = static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
     const auto ofPiece = [&](double share)
@@ -112,7 +112,7 @@ Status MeshWriteJob::Write(
 }
 
 Status MeshWriteJob::WritePiece(
-  const SurfacePiece& piece, MeshFile& output, const Progress& progress)
+  const SurfacePortion& piece, MeshFile& output, const Progress& progress)
 {
   EdgeIndexSelection selection;
   selection.Preview = this->Chosen.IsPreview;

@@ -46,8 +46,8 @@ public:
   std::uint64_t GetNumberOfDroppedTriangles() const { return this->NumberOfDroppedTriangles; }
 
 private:
-  std::vector<SurfacePiece> FindPieces() const;
-  Status WritePiece(const SurfacePiece& piece, MeshFile& output, const Progress& progress);
+  std::vector<SurfacePortion> FindPieces() const;
+  Status WritePiece(const SurfacePortion& piece, MeshFile& output, const Progress& progress);
   /// Simplifies a mesh to about `triangles`, if it has more, and writes it.
   Status WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output);
 

@@ -2,9 +2,9 @@
 #ifndef isosurface_SharedPoints_h
 #define isosurface_SharedPoints_h
 
-#include "Ground/Volume/VertexBox.h"
+#include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Coding/Meshes/MeshFile.h"
-#include "SurfacePieces.h"
+#include "Ground/Volume/VertexBox.h"
 
 #include <cstdint>
 #include <unordered_map>
@@ -12,6 +12,22 @@
 
 namespace isosurface
 {
+
+/// A part of a surface that is decoded at once: the blocks with cells in a box.
+struct SurfacePortion
+{
+  VertexBox Box;
+  std::uint64_t NumberOfPoints = 0; ///< as the directory counts them, block by block
+  bool BeginsLayer = false;         ///< no piece before it reaches as far up the z axis
+};
+
+/**
+ * Cuts a surface into pieces of at most `points` points, at planes that cut no block: first into
+ * layers along z, then what is still too large into rows along y. A row of blocks along x is not cut,
+ * however many points it has. Pieces come in the order of z, then y; two of them have points in
+ * common only at the end of a layer, or at the end of the piece before.
+ */
+std::vector<SurfacePortion> CutSurface(const EdgeIndexFile& file, std::uint64_t points);
 
 /**
  * Numbers the points of a surface that comes in pieces (CutSurface), each point once. Of the points
@@ -31,7 +47,7 @@ public:
   std::uint64_t GetNumberOfPoints() const { return this->NumberOfPoints; }
 
   /// To be called for every piece, in their order, even if nothing of it is kept.
-  void Begin(const SurfacePiece& piece);
+  void Begin(const SurfacePortion& piece);
 
   /// Of a mesh of the piece that was begun.
   PointNumbers Number(const Mesh& mesh);
