@@ -17,7 +17,6 @@
 #include <cmath>
 #include <map>
 #include <string>
-#include <vector>
 
 using namespace isosurface;
 

@@ -19,7 +19,6 @@
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -292,39 +291,6 @@ TEST(DistributePointData, IsThatOfTheContour)
   }
 }
 
-// The volume of the box around a part, summed over all ranks; collective.
-double SumBoxes(vtkPolyData* mine)
-{
-  double volume = 0;
-  if (mine->GetNumberOfPoints() > 0)
-  {
-    const double* bounds = mine->GetBounds();
-    volume = (bounds[1] - bounds[0]) * (bounds[3] - bounds[2]) * (bounds[5] - bounds[4]);
-  }
-  return static_cast<double>(SumOverRanks(static_cast<std::uint64_t>(std::llround(volume))));
-}
-
-TEST(DistributeParts, AreCompactAndEqual)
-{
-  DistributedContour distributed("Parts");
-  const auto image = MakeClosedVolume({ 0, 79, 0, 79, 0, 79 }, VTK_UNSIGNED_CHAR);
-  distributed.UseVolume(image, { 16, 7, vtkBlockedVolumeWriter::RANDOM });
-  distributed.Contour->SetNumberOfContours(1);
-  vtkPolyData* mine = distributed.Update();
-  const auto polys = static_cast<std::uint64_t>(mine->GetNumberOfPolys());
-  const auto mean =
-    static_cast<double>(SumOverRanks(polys)) / static_cast<double>(GetNumberOfRanks());
-  EXPECT_LT(static_cast<double>(polys), 1.2 * mean);
-  EXPECT_GT(static_cast<double>(polys), 0.7 * mean);
-  const double compact = SumBoxes(mine);
-  const double scattered = SumBoxes(distributed.UpdateContour());
-  if (GetNumberOfRanks() > 1)
-  {
-    // Boxes of scattered blocks are nearly those of the whole, each.
-    EXPECT_LT(compact, 2.2 * scattered / std::min(GetNumberOfRanks(), 4));
-  }
-}
-
 TEST(DistributeParts, AreEmptyWithoutASurface)
 {
   DistributedContour distributed("Empty");
@@ -397,51 +363,6 @@ TEST(DistributeParts, OfALeftHandedGridAtMapCoordinatesAreThoseOfTheContour)
   expectType(VTK_DOUBLE);
   distributed.Contour->SetOutputPointsPrecision(vtkAlgorithm::SINGLE_PRECISION);
   expectType(VTK_FLOAT);
-}
-
-TEST(DistributeBounded, KeepsPointsWithinTheErrorAndTogether)
-{
-  for (const int mode : { Distribute::BOUNDED, Distribute::SMALLEST })
-  {
-    DistributedContour distributed("Bounded" + std::to_string(mode));
-    distributed.UseVolume(GetVolume(VTK_SHORT), { 16, 3, vtkBlockedVolumeWriter::RANDOM });
-    distributed.Filter->SetMode(mode);
-    distributed.Filter->SetMaximumError(0.03);
-    const EdgeSurface all = Gather(distributed.Update(), 0);
-    if (GetRank() != 0)
-    {
-      continue;
-    }
-    const EdgeSurface expected = ContourByFlyingEdges(GetVolume(VTK_SHORT), Isovalues[0]);
-    EXPECT_EQ(all.Triangles, expected.Triangles);
-    EXPECT_TRUE(IsClosedManifold(all));
-    double spacing[3];
-    GetVolume(VTK_SHORT)->GetSpacing(spacing);
-    std::map<std::int64_t, EdgePoint> places;
-    for (const EdgePoint& point : expected.Points)
-    {
-      places[point.Edge] = point;
-    }
-    double worst = 0; // in edges
-    for (const EdgePoint& point : all.Points)
-    {
-      double square = 0;
-      for (std::size_t axis = 0; axis < 3; ++axis)
-      {
-        float moved = 0;
-        float place = 0;
-        std::memcpy(&moved, &point.Position[axis], sizeof(float));
-        std::memcpy(&place, &places.at(point.Edge).Position[axis], sizeof(float));
-        square += std::pow(static_cast<double>(moved) - static_cast<double>(place), 2);
-      }
-      worst = std::max(worst, std::sqrt(square) / spacing[point.Edge % 3]);
-    }
-    EXPECT_LE(worst, 0.03 + 1e-4);
-    if (mode == Distribute::BOUNDED && GetNumberOfRanks() > 1)
-    {
-      EXPECT_GT(worst, 0.003) << "nothing was moved";
-    }
-  }
 }
 
 TEST(DistributeErrors, AreToldOnceByEveryRankAndPass)

@@ -25,7 +25,6 @@
 #include "Storage/Store/BlockedVolumeHeader.h"
 
 #include <algorithm>
-#include <cmath>
 
 using namespace isosurface;
 

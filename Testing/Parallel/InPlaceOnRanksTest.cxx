@@ -326,74 +326,50 @@ TEST_F(FirstContact, ShowsASampleUntilAllRanksHaveTheIndex)
   EXPECT_EQ(this->GetIndexStage(), RefinementStage::None);
 }
 
-TEST_F(FirstContact, IsExactWhereTheFileIsIndexed)
+/// A file that can be read anywhere, or, as a stream, in order alone.
+class FirstContactWithFile
+  : public FirstContact
+  , public testing::WithParamInterface<bool>
 {
-  this->ExpectExactSurfaceOfAllThatIsIndexed();
-}
-
-TEST_F(FirstContact, GrowsWhileTheFileIsIndexed)
-{
-  this->ExpectGrowingSurface();
-}
+protected:
+  explicit FirstContactWithFile(bool isPlaced = false)
+    : FirstContact(GetParam(), isPlaced)
+  {
+  }
+};
 
 /// The same in a grid that is not the file's.
-class FirstContactInAnotherGrid : public FirstContact
+class FirstContactInAnotherGrid : public FirstContactWithFile
 {
 protected:
   FirstContactInAnotherGrid()
-    : FirstContact(false, true)
+    : FirstContactWithFile(true)
   {
   }
 };
 
-TEST_F(FirstContactInAnotherGrid, GrowsWhileTheFileIsIndexed)
-{
-  this->ExpectGrowingSurface();
-}
-
-TEST_F(FirstContactInAnotherGrid, FollowsWhenAnotherOneIsSet)
-{
-  this->ExpectSurfacesInTheGridsThatAreSet();
-}
-
-/// A file that can only be read in order.
-class FirstContactWithStream : public FirstContact
-{
-protected:
-  FirstContactWithStream()
-    : FirstContact(true)
-  {
-  }
-};
-
-TEST_F(FirstContactWithStream, IsExactWhereTheFileIsIndexed)
+TEST_P(FirstContactWithFile, IsExactWhereItIsIndexed)
 {
   this->ExpectExactSurfaceOfAllThatIsIndexed();
 }
 
-class FirstContactWithStreamInAnotherGrid : public FirstContact
-{
-protected:
-  FirstContactWithStreamInAnotherGrid()
-    : FirstContact(true, true)
-  {
-  }
-};
-
-TEST_F(FirstContactWithStreamInAnotherGrid, GrowsWhileTheFileIsIndexed)
+TEST_P(FirstContactWithFile, GrowsWhileItIsIndexed)
 {
   this->ExpectGrowingSurface();
 }
 
-TEST_F(FirstContactWithStreamInAnotherGrid, FollowsWhenAnotherOneIsSet)
+TEST_P(FirstContactInAnotherGrid, GrowsWhileTheFileIsIndexed)
+{
+  this->ExpectGrowingSurface();
+}
+
+TEST_P(FirstContactInAnotherGrid, FollowsWhenAnotherOneIsSet)
 {
   this->ExpectSurfacesInTheGridsThatAreSet();
 }
 
-TEST_F(FirstContactWithStream, GrowsWhileTheFileIsIndexed)
-{
-  this->ExpectGrowingSurface();
-}
+INSTANTIATE_TEST_SUITE_P(Streams, FirstContactWithFile, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(Streams, FirstContactInAnotherGrid, testing::Bool());
 
 TEST_F(FirstContact, TheSurfaceGetsNoCoarserWhenTheIndexIsTaken)
 {

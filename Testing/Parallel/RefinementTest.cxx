@@ -185,22 +185,6 @@ TEST_F(ImageRefinement, KeepsItsIslandsAtEachStep)
   EXPECT_EQ(std::string(this->Contour->GetIslandSummary()).rfind("2 of ", 0), 0u);
 }
 
-TEST_F(ImageRefinement, IsCoarseAtOnceAndExactAtTheEnd)
-{
-  this->Contour->AllowCoarse(1);
-  const std::uint64_t coarse = this->CountTriangles();
-  this->Contour->AllowCoarse(0);
-  EXPECT_GT(coarse, 0u);
-  EXPECT_FALSE(this->Contour->GetFinal());
-  EXPECT_EQ(GetCost(this->Contour->GetOutput(), "Level"), 2);
-  EXPECT_EQ(RefinementOnRanks::Prepare(this->Contour), Ready);
-  EXPECT_EQ(this->CountTriangles(), coarse) << "nobody has asked for a finer one";
-  this->Contour->Refine();
-  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
-  EXPECT_TRUE(this->Contour->GetFinal());
-  EXPECT_GT(this->CountTriangles(), 8 * coarse);
-}
-
 /// A coarse surface is that of every 2^level-th vertex, wherever the pieces of ranks end.
 TEST_F(ImageRefinement, BeginsWithTheSurfaceOfTheSubsampledImage)
 {
@@ -304,16 +288,6 @@ TEST_F(ImageRefinement, IsDroppedByAChangeWhileItIsMade)
   EXPECT_TRUE(this->Contour->GetFinal());
 }
 
-TEST_F(ImageRefinement, IsDroppedWhenTheImagesChange)
-{
-  this->Contour->AllowCoarse(1);
-  this->Update();
-  EXPECT_EQ(RefinementOnRanks::Prepare(this->Contour), Ready);
-  this->Contour->AllowCoarse(0);
-  this->Source->Modified();
-  ExpectSurfaceOf(this->Update(), this->Image, Isovalue);
-}
-
 TEST_P(RefinementOnRanks, OfAnEarlierIsovalueIsDroppedByAll)
 {
   ContourPipeline pipeline(this->Volume.Path);
@@ -331,22 +305,6 @@ TEST_P(RefinementOnRanks, OfAnEarlierIsovalueIsDroppedByAll)
     pipeline.Contour->DropRefinement();
   }
   ExpectSurfaceOf(Finish(pipeline, 100.5), this->Image, 100.5);
-}
-
-TEST_P(RefinementOnRanks, BeyondMemoryWaitsUntilAllRanksAcceptItsSize)
-{
-  ContourPipeline pipeline(this->Volume.Path);
-  pipeline.Contour->ProgressiveOn();
-  pipeline.Contour->SetRefinementMemory(0.001);
-  pipeline.Update({ 60.5 });
-  EXPECT_EQ(Prepare(pipeline.Contour), TooLarge);
-  if (GetRank() == 0)
-  {
-    pipeline.Contour->AcceptSize();
-  }
-  EXPECT_EQ(Prepare(pipeline.Contour), GetNumberOfRanks() == 1 ? Ready : TooLarge);
-  pipeline.Contour->AcceptSize();
-  EXPECT_EQ(Prepare(pipeline.Contour), Ready);
 }
 
 // Refine extracts without preparation then.

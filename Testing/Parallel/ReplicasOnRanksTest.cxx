@@ -91,17 +91,6 @@ TEST_P(ReplicasOnRanks, ALostStoreIsReadElsewhere)
     });
 }
 
-TEST_P(ReplicasOnRanks, ADamagedStoreIsReadElsewhere)
-{
-  this->Check("Damaged", [](const std::string& store) { FlipBytes(store + "/blocks"); });
-}
-
-TEST_P(ReplicasOnRanks, ATruncatedStoreIsReadElsewhere)
-{
-  this->Check("Truncated",
-    [](const std::string& store) { std::filesystem::resize_file(store + "/blocks", 4096); });
-}
-
 // Consumers that read the blocks themselves learn of a damaged store while they do.
 TEST_P(ReplicasOnRanks, ADistributedSurfaceIsWholeToo)
 {

@@ -96,15 +96,6 @@ TEST_F(WriteErrors, FolderThatCannotBe)
   this->ExpectSuccess();
 }
 
-TEST_F(WriteErrors, PiecesWithGap)
-{
-  this->Source->SetLayout(PieceSource::GAP);
-  this->ExpectFailure("vertices");
-  this->Source->SetLayout(PieceSource::SUB_EXTENTS);
-  this->Source->Modified();
-  this->ExpectSuccess();
-}
-
 TEST_F(WriteErrors, NoPointArrays)
 {
   vtkNew<vtkImageData> image;
@@ -112,41 +103,6 @@ TEST_F(WriteErrors, NoPointArrays)
   this->Writer->SetInputData(image);
   this->ExpectFailure("no numeric point array", "");
   this->Writer->SetInputConnection(this->Source->GetOutputPort());
-  this->ExpectSuccess();
-}
-
-TEST_F(WriteErrors, RanksWithDifferentGrids)
-{
-  if (GetNumberOfRanks() == 1)
-  {
-    GTEST_SKIP() << "one rank agrees with itself";
-  }
-  const auto image = MakeImageToWrite();
-  image->SetOrigin(GetRank() == 1 ? 1 : 0, 0, 0);
-  this->Source->SetImage(image);
-  this->Source->SetLayout(PieceSource::EVERYWHERE);
-  this->ExpectFailure("differ", "");
-  this->Source->SetImage(MakeImageToWrite());
-  this->ExpectSuccess();
-}
-
-TEST_F(WriteErrors, RanksWithDifferentSettings)
-{
-  if (GetNumberOfRanks() == 1)
-  {
-    GTEST_SKIP() << "one rank agrees with itself";
-  }
-  this->Writer->SetBlockSize(GetRank() == 1 ? 32 : 16);
-  this->ExpectFailure("disagree");
-  this->Writer->SetBlockSize(16);
-  this->ExpectSuccess();
-}
-
-TEST_F(WriteErrors, ImpossibleBlockSize)
-{
-  this->Writer->SetBlockSize(17);
-  this->ExpectFailure("16, 32 or 64");
-  this->Writer->SetBlockSize(16);
   this->ExpectSuccess();
 }
 

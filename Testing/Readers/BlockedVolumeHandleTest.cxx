@@ -111,6 +111,15 @@ void Connect(vtkStabbingContour* contour, vtkAlgorithm* input)
   SelectPoints(contour, "density");
 }
 
+// A consumer of all cells.
+void SetUpThreshold(vtkThreshold* threshold, vtkAlgorithm* input)
+{
+  threshold->SetInputConnection(input->GetOutputPort());
+  threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
+  threshold->SetLowerThreshold(1e9);
+  SelectPoints(threshold, "density");
+}
+
 TEST_F(BlockedVolumeHandle, PassesPassThrough)
 {
   vtkNew<vtkPassThrough> pass;
@@ -195,22 +204,20 @@ TEST_F(BlockedVolumeHandle, NothingActiveGivesAnEmptySurface)
 
 TEST_F(BlockedVolumeHandle, DoesNotPassFiltersThatChangeValues)
 {
-  // 100 - density: other blocks are active than those of the stored values.
   vtkNew<vtkArrayCalculator> calculator;
+  vtkNew<vtkArrayCalculator> wholeCalculator;
+  for (vtkArrayCalculator* one : { calculator.Get(), wholeCalculator.Get() })
+  {
+    // Other blocks are active than those of the stored values.
+    one->AddScalarArrayName("density");
+    one->SetFunction("100 - density");
+    one->SetResultArrayName("density");
+    one->SetResultArrayType(VTK_SHORT);
+  }
   calculator->SetInputConnection(this->Reader->GetOutputPort());
-  calculator->AddScalarArrayName("density");
-  calculator->SetFunction("100 - density");
-  calculator->SetResultArrayName("density");
-  calculator->SetResultArrayType(VTK_SHORT);
   vtkNew<vtkStabbingContour> contour;
   Connect(contour, calculator);
-
-  vtkNew<vtkArrayCalculator> wholeCalculator;
   wholeCalculator->SetInputData(this->Image);
-  wholeCalculator->AddScalarArrayName("density");
-  wholeCalculator->SetFunction("100 - density");
-  wholeCalculator->SetResultArrayName("density");
-  wholeCalculator->SetResultArrayType(VTK_SHORT);
   wholeCalculator->Update();
   auto* whole = vtkImageData::SafeDownCast(wholeCalculator->GetOutputDataObject(0));
   whole->GetPointData()->SetActiveScalars("density");
@@ -318,6 +325,12 @@ class HandleBesideStock
   , public testing::WithParamInterface<bool>
 {
 protected:
+  HandleBesideStock()
+  {
+    this->Pass->SetInputConnection(this->Reader->GetOutputPort());
+    SetUpThreshold(this->Threshold, this->Input);
+  }
+
   void ExpectAllCellsInThreshold()
   {
     this->Threshold->Update();
@@ -338,24 +351,15 @@ protected:
     EXPECT_EQ(cells, this->Image->GetNumberOfCells());
   }
 
-  vtkNew<vtkThreshold> Threshold;
+  const vtkNew<vtkPassThrough> Pass;
+  vtkAlgorithm* const Input = GetParam() ? static_cast<vtkAlgorithm*>(this->Pass) : this->Reader;
+  const vtkNew<vtkThreshold> Threshold;
 };
 
 TEST_P(HandleBesideStock, StockConsumersSeeAllCells)
 {
-  vtkNew<vtkPassThrough> pass;
-  pass->SetInputConnection(this->Reader->GetOutputPort());
-  vtkAlgorithm* input = this->Reader;
-  if (GetParam())
-  {
-    input = pass;
-  }
   vtkNew<vtkStabbingContour> contour;
-  Connect(contour, input);
-  this->Threshold->SetInputConnection(input->GetOutputPort());
-  this->Threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
-  this->Threshold->SetLowerThreshold(1e9);
-  SelectPoints(this->Threshold, "density");
+  Connect(contour, this->Input);
 
   this->ExpectAllCellsInThreshold();
   this->ExpectSurface(contour, High);
@@ -372,20 +376,9 @@ TEST_P(HandleBesideStock, StockConsumersSeeAllCells)
 
 TEST_P(HandleBesideStock, StockConsumerAfterContourSeesAllCells)
 {
-  vtkNew<vtkPassThrough> pass;
-  pass->SetInputConnection(this->Reader->GetOutputPort());
-  vtkAlgorithm* input = this->Reader;
-  if (GetParam())
-  {
-    input = pass;
-  }
   vtkNew<vtkStabbingContour> contour;
-  Connect(contour, input);
+  Connect(contour, this->Input);
   this->ExpectSurface(contour, High);
-  this->Threshold->SetInputConnection(input->GetOutputPort());
-  this->Threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
-  this->Threshold->SetLowerThreshold(1e9);
-  SelectPoints(this->Threshold, "density");
   this->ExpectAllCellsInThreshold();
   // The reader itself, asked by nobody in particular.
   this->ExpectSurface(contour, Low);
@@ -396,19 +389,8 @@ TEST_P(HandleBesideStock, StockConsumerAfterContourSeesAllCells)
 
 TEST_P(HandleBesideStock, ProbedPointsThatAreMadeOfTheSameVolumeAreOfAllOfIt)
 {
-  vtkNew<vtkPassThrough> pass;
-  pass->SetInputConnection(this->Reader->GetOutputPort());
-  vtkAlgorithm* input = this->Reader;
-  if (GetParam())
-  {
-    input = pass;
-  }
-  this->Threshold->SetInputConnection(input->GetOutputPort());
-  this->Threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
-  this->Threshold->SetLowerThreshold(1e9);
-  SelectPoints(this->Threshold, "density");
   vtkNew<vtkVolumeProbe> probe;
-  probe->SetInputConnection(input->GetOutputPort());
+  probe->SetInputConnection(this->Input->GetOutputPort());
   probe->SetSourceConnection(this->Threshold->GetOutputPort());
   for (int turn = 0; turn < 2; ++turn)
   {
@@ -416,7 +398,7 @@ TEST_P(HandleBesideStock, ProbedPointsThatAreMadeOfTheSameVolumeAreOfAllOfIt)
     this->ExpectAllCells(probe->GetOutputDataObject(0));
     // A box is what the next probe finds in the reader.
     vtkNew<vtkStabbingContour> contour;
-    Connect(contour, input);
+    Connect(contour, this->Input);
     this->Reader->Modified();
     this->ExpectSurface(contour, High);
   }
@@ -424,24 +406,17 @@ TEST_P(HandleBesideStock, ProbedPointsThatAreMadeOfTheSameVolumeAreOfAllOfIt)
 
 TEST_P(HandleBesideStock, AProbeWhosePointsFailTakesNothing)
 {
-  vtkNew<vtkPassThrough> pass;
-  pass->SetInputConnection(this->Reader->GetOutputPort());
-  vtkAlgorithm* input = this->Reader;
-  if (GetParam())
-  {
-    input = pass;
-  }
   const vtkNew<FailingSource> failing;
   {
     vtkNew<vtkVolumeProbe> probe;
-    probe->SetInputConnection(input->GetOutputPort());
+    probe->SetInputConnection(this->Input->GetOutputPort());
     probe->SetSourceConnection(failing->GetOutputPort());
     for (int turn = 0; turn < 2; ++turn)
     {
       probe->Update();
       failing->Modified();
       vtkNew<vtkStabbingContour> contour; // after which the reader has a box
-      Connect(contour, input);
+      Connect(contour, this->Input);
       this->ExpectSurface(contour, High);
     }
     probe->Update();
@@ -464,10 +439,7 @@ TEST_F(BlockedVolumeHandle, ContoursAndStockConsumersShareOneUpdate)
   {
     vtkNew<vtkStabbingContour> contours[2];
     vtkNew<vtkThreshold> threshold;
-    threshold->SetInputConnection(this->Reader->GetOutputPort());
-    threshold->SetThresholdFunction(vtkThreshold::THRESHOLD_LOWER);
-    threshold->SetLowerThreshold(1e9);
-    SelectPoints(threshold, "density");
+    SetUpThreshold(threshold, this->Reader);
     threshold->Update();
     this->Reader->Modified();
     for (vtkStabbingContour* contour : { contours[0].Get(), contours[1].Get() })

@@ -116,26 +116,6 @@ std::set<EdgeSurface::Triangle> FindWithin(vtkPolyData* surface, const double bo
 
 } // namespace
 
-TEST_F(EdgeIndexReader, PiecesAreEvenAndMakeTheWholeSurface)
-{
-  for (const int pieces : { 1, 2, 5, 40 })
-  {
-    EdgeSurface all;
-    for (int piece = 0; piece < pieces; ++piece)
-    {
-      const EdgeSurface part = this->Read(piece, pieces);
-      EXPECT_LT(part.Triangles.size() * static_cast<std::size_t>(pieces),
-        2 * this->Whole.Triangles.size() + 40000 * static_cast<std::size_t>(pieces));
-      all.Points.insert(all.Points.end(), part.Points.begin(), part.Points.end());
-      all.Triangles.insert(all.Triangles.end(), part.Triangles.begin(), part.Triangles.end());
-    }
-    std::sort(all.Points.begin(), all.Points.end());
-    std::sort(all.Triangles.begin(), all.Triangles.end());
-    all.MergeEqualPoints();
-    EXPECT_TRUE(AreEqual(all, this->Whole)) << pieces << " pieces";
-  }
-}
-
 TEST_F(EdgeIndexReader, PointsCarryTheirIsovalue)
 {
   this->Reader->Update();

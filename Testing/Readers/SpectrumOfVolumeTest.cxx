@@ -128,21 +128,4 @@ TEST(SpectrumOfVolume, LeavesOtherConsumersTheirSamples)
   EXPECT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), 7);
 }
 
-TEST(SpectrumOfVolume, TellsOfADamagedFile)
-{
-  const ScratchVolume volume(MakeClosedVolume({ 0, 40, 0, 40, 0, 40 }, VTK_SHORT));
-  const std::string file = HidePath(volume.Path + ".stores") + "/000001/spectra";
-  std::string bytes = ReadBytes(file);
-  bytes[bytes.size() / 2] ^= 4;
-  WriteBytes(file, bytes);
-  const auto reader = MakeReader(volume.Path);
-  vtkNew<vtkContourSpectrum> spectrum;
-  const ErrorCounter errors(spectrum);
-  spectrum->SetInputConnection(reader->GetOutputPort());
-  spectrum->SetStoreQuantity(vtkContourSpectrum::AREA);
-  spectrum->Update();
-  ExpectOneError(errors, { file, "checksum" });
-  EXPECT_EQ(spectrum->GetOutput()->GetNumberOfColumns(), 0);
-}
-
 } // namespace

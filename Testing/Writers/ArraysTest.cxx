@@ -22,7 +22,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <vector>
 
 using namespace isosurface;
@@ -59,59 +58,6 @@ vtkSmartPointer<vtkImageData> MakeVectors(int type, int components)
   image->GetPointData()->SetScalars(vectors);
   return image;
 }
-
-/// A component alone, or, at their number, the magnitude in double. (vtkImageMagnitude adds squares
-/// in float before VTK 9.3, so it is no oracle.)
-vtkSmartPointer<vtkImageData> MakeScalar(vtkImageData* image, int component)
-{
-  vtkDataArray* vectors = image->GetPointData()->GetScalars();
-  const int components = vectors->GetNumberOfComponents();
-  const bool isMagnitude = component == components;
-  auto scalars = vtk::TakeSmartPointer(
-    vtkDataArray::CreateDataArray(isMagnitude ? VTK_DOUBLE : vectors->GetDataType()));
-  scalars->SetNumberOfTuples(vectors->GetNumberOfTuples());
-  std::vector<double> tuple(components);
-  for (vtkIdType point = 0; point < vectors->GetNumberOfTuples(); ++point)
-  {
-    vectors->GetTuple(point, tuple.data());
-    scalars->SetTuple1(point,
-      isMagnitude ? std::sqrt(std::inner_product(tuple.begin(), tuple.end(), tuple.begin(), 0.0))
-                  : tuple[component]);
-  }
-  auto scalar = vtkSmartPointer<vtkImageData>::New();
-  scalar->CopyStructure(image);
-  scalar->GetPointData()->SetScalars(scalars);
-  return scalar;
-}
-
-/// Surfaces of "velocity" from an input, each compared with vtkFlyingEdges3D on the scalar alone.
-void ExpectSurfaces(vtkStabbingContour* contour, vtkImageData* image)
-{
-  const ExpectNoErrors errors(contour);
-  SelectPoints(contour, "velocity");
-  const int components = image->GetPointData()->GetArray("velocity")->GetNumberOfComponents();
-  for (int component = 0; component <= components; ++component)
-  {
-    const auto scalar = MakeScalar(image, component);
-    double range[2];
-    scalar->GetPointData()->GetScalars()->GetRange(range);
-    for (const double share : { 0.3, 0.62 })
-    {
-      const double isovalue = range[0] + share * (range[1] - range[0]);
-      contour->SetComponent(component);
-      contour->SetValue(0, isovalue);
-      contour->Update();
-      EdgeSurface surface = ToEdges(contour->GetOutput());
-      EXPECT_FALSE(surface.Triangles.empty());
-      EXPECT_TRUE(AreEqual(surface, ContourByFlyingEdges(scalar, isovalue)))
-        << "component " << component << " at " << isovalue;
-    }
-  }
-}
-
-class ArraysOfType : public testing::TestWithParam<int>
-{
-};
 
 class Arrays : public testing::Test
 {
@@ -163,55 +109,6 @@ protected:
 };
 
 } // namespace
-
-TEST_P(ArraysOfType, OfSeveralComponentsAreReadAndContouredByEachAndByMagnitude)
-{
-  const ScratchFolder folder;
-  const std::string path = folder.GetPath("volume.bvol");
-  const std::vector<int> numbers =
-    GetParam() == VTK_SHORT ? std::vector<int>{ 6 } : std::vector<int>{ 2, 3 };
-  for (const int components : numbers)
-  {
-    const auto image = MakeVectors(GetParam(), components);
-    WriteVolume(image, path, { 16, 2 });
-
-    const auto reader = MakeReader(path);
-    vtkNew<vtkStabbingContour> contour;
-    contour->SetInputConnection(reader->GetOutputPort());
-    ExpectSurfaces(contour, image);
-
-    // Behind a filter that passes samples on.
-    vtkNew<vtkPassThrough> pass;
-    pass->SetInputConnection(reader->GetOutputPort());
-    contour->SetInputConnection(pass->GetOutputPort());
-    ExpectSurfaces(contour, image);
-
-    vtkNew<vtkStabbingContour> inMemory;
-    inMemory->SetInputData(image);
-    ExpectSurfaces(inMemory, image);
-
-    reader->UpdatePiece(0, 1, 0);
-    auto* whole = vtkImageData::SafeDownCast(reader->GetOutput()->GetPartition(0));
-    ASSERT_NE(whole, nullptr);
-    vtkDataArray* read = whole->GetPointData()->GetArray("velocity");
-    vtkDataArray* written = image->GetPointData()->GetArray("velocity");
-    ASSERT_EQ(read->GetNumberOfComponents(), components);
-    ASSERT_EQ(read->GetNumberOfTuples(), written->GetNumberOfTuples());
-    EXPECT_EQ(read, whole->GetPointData()->GetScalars());
-    vtkIdType wrong = 0;
-    for (vtkIdType tuple = 0; tuple < read->GetNumberOfTuples(); ++tuple)
-    {
-      for (int component = 0; component < components; ++component)
-      {
-        wrong += read->GetComponent(tuple, component) != written->GetComponent(tuple, component);
-      }
-    }
-    EXPECT_EQ(wrong, 0);
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(
-  SomeOfVTK, ArraysOfType, testing::Values(VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_FLOAT, VTK_DOUBLE));
 
 TEST_F(Arrays, OfSeveralComponentsAreInterpolatedAsOneArrayOfTuples)
 {

@@ -23,8 +23,6 @@
 #include "Ground/Base/FileSystem.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 
-#include <filesystem>
-#include <limits>
 #include <utility>
 
 using namespace isosurface;
@@ -71,16 +69,6 @@ TEST_F(BlockedVolumeWriter, WritesEveryNumericType)
     WriteVolume(image, this->GetPath(), { 16, 2 });
     this->ExpectRead(image, "density");
   }
-}
-
-TEST_F(BlockedVolumeWriter, KeepsInfinities)
-{
-  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_FLOAT, MakeNoise(100, 1));
-  vtkDataArray* samples = image->GetPointData()->GetScalars();
-  samples->SetComponent(77, 0, std::numeric_limits<double>::infinity());
-  samples->SetComponent(78, 0, -std::numeric_limits<double>::infinity());
-  WriteVolume(image, this->GetPath());
-  this->ExpectRead(image, "density");
 }
 
 TEST_F(BlockedVolumeWriter, KeepsUnitsAndLeavesOutThoseThatAreNoText)
@@ -178,32 +166,6 @@ TEST_F(BlockedVolumeWriter, WritesGhostSamplesLikeOthers)
   const auto part = CutImage(image, { 0, 20, 0, 20, 0, 20 }, { 0, 20, 0, 20, 0, 15 });
   WriteVolume(part, this->GetPath());
   this->ExpectRead(image, "density");
-}
-
-TEST_F(BlockedVolumeWriter, WritesTheSameBytesAgain)
-{
-  const auto image = MakeClosedVolume({ 0, 40, 0, 40, 0, 40 }, VTK_SHORT);
-  std::vector<std::uint64_t> fingerprints;
-  for (int turn = 0; turn < 2; ++turn)
-  {
-    std::filesystem::remove(this->GetPath());
-    std::filesystem::remove_all(HidePath(this->GetPath() + ".stores"));
-    WriteVolume(image, this->GetPath(), { 16, 3, vtkBlockedVolumeWriter::RANDOM });
-    fingerprints.push_back(ComputeFingerprint(this->GetPath()));
-  }
-  EXPECT_EQ(fingerprints[0], fingerprints[1]);
-}
-
-TEST_F(BlockedVolumeWriter, ReplacesOldFileAndItsStores)
-{
-  WriteVolume(
-    MakeImage({ 0, 40, 0, 40, 0, 40 }, VTK_FLOAT, MakeNoise(100, 1)), this->GetPath(), { 16, 5 });
-  const auto image = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(100, 1));
-  WriteVolume(image, this->GetPath(), { 16, 1 });
-  this->ExpectRead(image, "density");
-  // One generation with one store, and with one overview: the header; blocks, directory, tree and
-  // spectra of each.
-  EXPECT_EQ(ListVolumeFiles(this->GetPath()).size(), 9u);
 }
 
 TEST_F(BlockedVolumeWriter, TellsProgressThatRises)

@@ -113,34 +113,6 @@ protected:
 
 } // namespace
 
-TEST_F(EdgeIndexWriter, LosslessFilesHoldTheSurfaceOfFlyingEdgesForAllTypes)
-{
-  for (const int type : { VTK_SIGNED_CHAR, VTK_UNSIGNED_CHAR, VTK_SHORT, VTK_UNSIGNED_SHORT,
-         VTK_INT, VTK_UNSIGNED_INT, VTK_LONG_LONG, VTK_UNSIGNED_LONG_LONG, VTK_FLOAT, VTK_DOUBLE })
-  {
-    const auto image = MakeImage(SurfaceGrid, type,
-      [](int i, int j, int k)
-      { return 60 + 55 * std::sin(0.3 * i) * std::cos(0.2 * j - 0.1 * k) + (i * j + k) % 5; });
-    TurnObliquely(image);
-    this->Contour->SetInputData(image);
-    this->SetIsovalues({ 70 });
-    for (const int profile : { vtkEdgeIndexWriter::SMALL, vtkEdgeIndexWriter::WORKING })
-    {
-      this->Writer->SetProfile(profile);
-      this->Write();
-      const EdgeSurface read = ToEdges(this->Read(this->Path));
-      EXPECT_TRUE(AreEqual(read, this->Extract())) << "VTK type " << type;
-      // Differences of these overflow in vtkFlyingEdges3D.
-      if (type != VTK_UNSIGNED_INT && type != VTK_UNSIGNED_LONG_LONG)
-      {
-        EdgeSurface expected = ContourByFlyingEdges(image, 70);
-        expected.DropNormals();
-        EXPECT_TRUE(AreEqual(read, expected)) << "VTK type " << type;
-      }
-    }
-  }
-}
-
 TEST_F(EdgeIndexWriter, ProfilesOfOlderStatesBecomeTheNearestWithAWarning)
 {
   vtkNew<vtkTest::ErrorObserver> observer;
@@ -154,59 +126,6 @@ TEST_F(EdgeIndexWriter, ProfilesOfOlderStatesBecomeTheNearestWithAWarning)
     observer->Clear();
     this->Writer->SetProfile(now);
     EXPECT_FALSE(observer->GetWarning());
-  }
-}
-
-TEST_F(EdgeIndexWriter, EveryModeKeepsTheTriangles)
-{
-  const auto image = MakeClosedVolume(SurfaceGrid, VTK_FLOAT);
-  this->Contour->SetInputData(image);
-  const EdgeSurface expected = this->Extract();
-  for (const int mode : { vtkEdgeIndexWriter::LOSSLESS, vtkEdgeIndexWriter::BOUNDED,
-         vtkEdgeIndexWriter::QUANTIZED, vtkEdgeIndexWriter::SMALLEST })
-  {
-    this->Writer->SetMode(mode);
-    this->Write();
-    const EdgeSurface read = ToEdges(this->Read(this->Path));
-    EXPECT_EQ(read.Triangles, expected.Triangles) << "mode " << mode;
-    EXPECT_EQ(read.Points.size(), expected.Points.size());
-  }
-}
-
-TEST_F(EdgeIndexWriter, BoundedPointsMoveByNoMoreThanTheError)
-{
-  const auto image = MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR);
-  this->UseVolume(image, 32);
-  this->Contour->Update();
-  std::map<vtkIdType, std::array<double, 3>> places;
-  vtkPolyData* exact = this->Contour->GetOutput();
-  for (vtkIdType n = 0; n < exact->GetNumberOfPoints(); ++n)
-  {
-    const auto id = static_cast<vtkIdType>(exact->GetPointData()->GetGlobalIds()->GetTuple1(n));
-    exact->GetPoint(n, places[id].data());
-  }
-  std::uintmax_t smaller = UINTMAX_MAX;
-  for (const double error : { 0.001, 0.02, 0.3 })
-  {
-    this->Writer->SetMode(vtkEdgeIndexWriter::BOUNDED);
-    this->Writer->SetMaximumError(error);
-    this->Write();
-    const auto read = this->Read(this->Path);
-    ASSERT_EQ(read->GetNumberOfPoints(), exact->GetNumberOfPoints());
-    double worst = 0;
-    for (vtkIdType n = 0; n < read->GetNumberOfPoints(); ++n)
-    {
-      const auto id = static_cast<vtkIdType>(read->GetPointData()->GetGlobalIds()->GetTuple1(n));
-      for (int axis = 0; axis < 3; ++axis)
-      {
-        worst = std::max(worst, std::abs(read->GetPoint(n)[axis] - places.at(id)[axis]));
-      }
-    }
-    EXPECT_LE(worst, error);
-    EXPECT_GT(worst, error / 2);
-    const std::uintmax_t size = std::filesystem::file_size(this->Path);
-    EXPECT_LT(size, smaller);
-    smaller = size;
   }
 }
 
@@ -390,25 +309,6 @@ TEST_F(EdgeIndexWriter, TheContourMakesNothingAndKeepsWhatItHas)
   EXPECT_EQ(this->Contour->GetOutput()->GetNumberOfPolys(), triangles);
   this->Contour->Update();
   EXPECT_EQ(executions.Count, 1) << "writing made the contour's output out of date";
-}
-
-TEST_F(EdgeIndexWriter, ThreadsAndMemoryDoNotChangeTheFile)
-{
-  this->UseVolume(MakeClosedVolume(SurfaceGrid, VTK_FLOAT));
-  this->Write();
-  const std::string expected = ReadBytes(this->Path);
-  this->Writer->SetNumberOfThreads(3);
-  this->Writer->SetMemoryLimit(1);
-  this->Write();
-  EXPECT_TRUE(ReadBytes(this->Path) == expected);
-}
-
-TEST_F(EdgeIndexWriter, IsovaluesWithoutASurfaceMakeAFileWithoutBlocks)
-{
-  this->Contour->SetInputData(MakeClosedVolume(SurfaceGrid, VTK_UNSIGNED_CHAR));
-  this->SetIsovalues({ 1e4, -5 });
-  this->Write();
-  EXPECT_EQ(this->Read(this->Path)->GetNumberOfPoints(), 0);
 }
 
 TEST_F(EdgeIndexWriter, ASurfaceThatWentThroughAFilterIsRefused)

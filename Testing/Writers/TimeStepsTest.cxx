@@ -143,28 +143,6 @@ TEST_F(TimeSteps, OfAllOfTheInputAreAppended)
   this->ExpectStep(1, 0.5);
 }
 
-TEST_F(TimeSteps, AppendedTwiceOrBeforeOthersAreErrors)
-{
-  ASSERT_TRUE(this->Append(0.5));
-  for (const double time : { 0.5, -1.0 })
-  {
-    const ErrorCounter errors(this->Writer);
-    EXPECT_FALSE(this->Append(time));
-    ExpectOneError(errors, { "times must ascend", this->Path });
-  }
-  EXPECT_EQ(this->ListTimes(), std::vector<double>{ 0.5 });
-  EXPECT_TRUE(this->Append(2));
-}
-
-TEST_F(TimeSteps, OfOtherBlocksAreErrors)
-{
-  ASSERT_TRUE(this->Append(0.5));
-  this->Writer->SetBlockSize(32);
-  const ErrorCounter errors(this->Writer);
-  EXPECT_FALSE(this->Append(2));
-  ExpectOneError(errors, { "16 cells" });
-}
-
 TEST_F(TimeSteps, WithoutATimeCannotBeAppended)
 {
   this->Writer->SetInputData(TimeSource::MakeImageAt(0));
