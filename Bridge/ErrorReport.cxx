@@ -17,8 +17,6 @@
 
 #include "Ground/Base/PrintableText.h"
 
-#include <string>
-
 namespace isosurface
 {
 namespace

@@ -19,7 +19,6 @@
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
-#include <string>
 
 namespace isosurface
 {

@@ -9,7 +9,6 @@
 #include "vtkSynchronizedRenderers.h"
 
 #include <cstdint>
-#include <vector>
 
 class vtkFloatArray;
 

@@ -24,9 +24,7 @@
 #include "vtkShaderProperty.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cstdint>
 #include <cstring>
 #include <utility>
 

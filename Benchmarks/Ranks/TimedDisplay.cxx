@@ -25,7 +25,6 @@
 #include <IceT.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ctime>
 #include <utility>
