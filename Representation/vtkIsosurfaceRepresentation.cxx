@@ -4,7 +4,6 @@
 
 #include "BackgroundThinning.h"
 #include "MeasuredTriangles.h"
-#include "ThinnedPolyData.h"
 #include "vtkIsosurfaceGeometryFilter.h"
 #include "vtkIsosurfaceMapper.h"
 

@@ -3,10 +3,8 @@
 #define isosurface_BackgroundThinning_h
 
 #include "MeasuredTriangles.h"
-
-#include "vtkSmartPointer.h"
-
 #include "Surface/Drawing/SurfaceThinning.h"
+#include "vtkSmartPointer.h"
 
 #include <future>
 #include <optional>
@@ -16,6 +14,15 @@ class vtkPolyData;
 
 namespace isosurface
 {
+
+/// How much of a surface a view wants while the camera moves, by its resolution, 0 to 1.
+ThinningLimits ChooseThinningLimits(double resolution);
+
+/**
+ * Fills `thinned` with the points of a surface that are kept, all their arrays but GlobalIds, and
+ * the triangles between them.
+ */
+void CopyThinned(vtkPolyData* surface, const ThinnedSurface& kept, vtkPolyData* thinned);
 
 /**
  * Thins a surface by a thread of low priority while the surface is drawn, so that the first frame

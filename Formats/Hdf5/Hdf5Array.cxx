@@ -19,6 +19,42 @@ namespace isosurface
 namespace
 {
 
+/// Chunks that are larger are left to the library.
+constexpr double MaximumBytes = 2147483647;
+
+/// 1 if the dataset's type is the native one, 2 if its bytes are in the other order; 0 otherwise.
+int CompareTypes(hid_t stored, hid_t native)
+{
+  if (::H5Tequal(stored, native) > 0)
+  {
+    return 1;
+  }
+  const Hdf5Handle swapped(::H5Tcopy(native), ::H5Tclose);
+  const H5T_order_t order = ::H5Tget_order(native) == H5T_ORDER_LE ? H5T_ORDER_BE : H5T_ORDER_LE;
+  return ::H5Tset_order(swapped.Get(), order) >= 0 && ::H5Tequal(stored, swapped.Get()) > 0 ? 2 : 0;
+}
+
+template <std::size_t Size>
+void SwapRow(const std::uint8_t* from, std::size_t count, std::uint8_t* to)
+{
+  for (std::size_t sample = 0; sample < count; ++sample, from += Size, to += Size)
+  {
+    std::reverse_copy(from, from + Size, to);
+  }
+}
+
+template <std::size_t Size>
+void UndoShuffle(const std::uint8_t* from, std::size_t count, std::uint8_t* to)
+{
+  for (std::size_t sample = 0; sample < count; ++sample)
+  {
+    for (std::size_t byte = 0; byte < Size; ++byte)
+    {
+      to[sample * Size + byte] = from[byte * count + sample];
+    }
+  }
+}
+
 /**
  * Decodes chunks of a dataset without the library, and so without its lock: those of plain integers
  * and floats that were shuffled, deflated, both or neither. Others are left to the library.
@@ -196,42 +232,6 @@ private:
   std::vector<std::uint8_t> Inflated;
   std::vector<std::uint8_t> Ordered; ///< after the shuffle was undone
 };
-
-/// Chunks that are larger are left to the library.
-constexpr double MaximumBytes = 2147483647;
-
-/// 1 if the dataset's type is the native one, 2 if its bytes are in the other order; 0 otherwise.
-int CompareTypes(hid_t stored, hid_t native)
-{
-  if (::H5Tequal(stored, native) > 0)
-  {
-    return 1;
-  }
-  const Hdf5Handle swapped(::H5Tcopy(native), ::H5Tclose);
-  const H5T_order_t order = ::H5Tget_order(native) == H5T_ORDER_LE ? H5T_ORDER_BE : H5T_ORDER_LE;
-  return ::H5Tset_order(swapped.Get(), order) >= 0 && ::H5Tequal(stored, swapped.Get()) > 0 ? 2 : 0;
-}
-
-template <std::size_t Size>
-void SwapRow(const std::uint8_t* from, std::size_t count, std::uint8_t* to)
-{
-  for (std::size_t sample = 0; sample < count; ++sample, from += Size, to += Size)
-  {
-    std::reverse_copy(from, from + Size, to);
-  }
-}
-
-template <std::size_t Size>
-void UndoShuffle(const std::uint8_t* from, std::size_t count, std::uint8_t* to)
-{
-  for (std::size_t sample = 0; sample < count; ++sample)
-  {
-    for (std::size_t byte = 0; byte < Size; ++byte)
-    {
-      to[sample * Size + byte] = from[byte * count + sample];
-    }
-  }
-}
 
 hid_t GetNativeType(ValueType type)
 {

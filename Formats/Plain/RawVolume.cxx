@@ -19,6 +19,15 @@ namespace isosurface
 namespace
 {
 
+template <typename T>
+void SwapBytes(std::uint8_t* bytes, std::size_t samples)
+{
+  for (std::size_t sample = 0; sample < samples; ++sample)
+  {
+    std::reverse(bytes + sample * sizeof(T), bytes + (sample + 1) * sizeof(T));
+  }
+}
+
 /**
  * The samples of one array in a file, x fastest, then y, then z. Cost of a box: one read for whole
  * slices, or one for each if their size is a multiple of 4096 bytes (ChooseSlicePitch); a read for
@@ -137,15 +146,6 @@ private:
   std::uint64_t HeldBytes;
   std::shared_ptr<PageBufferPool> Pool;
 };
-
-template <typename T>
-void SwapBytes(std::uint8_t* bytes, std::size_t samples)
-{
-  for (std::size_t sample = 0; sample < samples; ++sample)
-  {
-    std::reverse(bytes + sample * sizeof(T), bytes + (sample + 1) * sizeof(T));
-  }
-}
 
 /**
  * A series of files of equal size as if they were one file. A file is opened when it is read, and

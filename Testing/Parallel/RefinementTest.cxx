@@ -32,7 +32,6 @@ namespace
 {
 
 constexpr RefinementStage Ready = RefinementStage::Ready;
-constexpr RefinementStage TooLarge = RefinementStage::TooLarge;
 
 std::atomic<bool> AreThreadsRefused{ false };
 

@@ -350,6 +350,15 @@ class TagsOfPages(TiffCase):
             file.write(numpy.zeros((16, 16, 16), "uint8"), volumetric=True, tile=(16, 16, 16))
         self.assert_error("v.tif", "v.tif", "pages of several slices")
 
+    def test_thumbnails_among_the_pages_are_left_out(self):
+        image = make_images(1)[0]
+        with tifffile.TiffWriter(self.path("t.tif")) as file:
+            for page in image:
+                file.write(page, metadata=None, contiguous=False)
+                file.write(numpy.full((3, 4, 3), 200, "uint8"), metadata=None, contiguous=False, photometric="rgb",
+                           subfiletype=1)
+        self.assert_image("t.tif", image)
+
     def test_a_type_that_the_pages_do_not_have_is_told(self):
         image = make_images(1)[0]
         self.write_pages("t.ome.tif", image, make_ome(SHAPE[1:], "<TiffData/>", (7, 1, 1)).replace("uint16", "int16"))

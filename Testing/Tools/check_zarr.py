@@ -298,6 +298,102 @@ class VersionThree(SourceCase):
                                       self.write_raw(numpy.full(SHAPE, number, "float32"), "b"))
 
 
+class Metadata(SourceCase):
+    """What metadata may cost, and what fill values say."""
+    CODEC = {"name": "crc32c"}
+
+    def write_text(self, name, text):
+        os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
+        with open(self.path(name), "w") as file:
+            file.write(text)
+
+    def write_metadata(self, name, codecs=(CODEC,), separator="/", **members):
+        """An array of 2 x 2 x 2 samples without chunks; JSON has NaN as Python writes it."""
+        self.write_text(name + "/zarr.json", json.dumps({
+            "zarr_format": 3, "node_type": "array", "shape": [2, 2, 2], "data_type": "uint8", "fill_value": 0,
+            "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [2, 2, 2]}},
+            "chunk_key_encoding": {"name": "default", "configuration": {"separator": separator}},
+            "codecs": [{"name": "bytes"}, *codecs], "attributes": {}, **members}))
+
+    def write_image(self, axes, channels):
+        self.write_text("i.zarr/zarr.json", json.dumps({"zarr_format": 3, "node_type": "group", "attributes": {"ome": {
+            "multiscales": [{"datasets": [{"path": "0"}], "axes": axes}], "omero": {"channels": channels}}}}))
+
+    def test_nested_metadata_overflow_no_stack(self):
+        for depth, *words in ((100000, "it nests more than 64 objects"), (60,)):
+            nested = '{"a": ' + "[" * depth + "]" * depth + "}"
+            for name in ("n.zarr/zarr.json", "2.zarr/.zarray", "5.n5/attributes.json") if words else ("n.zarr/zarr.json",):
+                self.write_metadata("n.zarr")
+                with open(self.path("n.zarr/zarr.json")) as file:
+                    text = file.read().replace('"attributes": {}', f'"attributes": {nested}')
+                self.write_text(name, text if name.startswith("n") else nested)
+                if words:
+                    self.assert_error(name.split("/")[0], name + ": cannot be read", *words)
+                else:
+                    self.write("n.zarr", "o.bvol")
+
+    def test_codecs_axes_and_channels_are_few(self):
+        self.write_metadata("c.zarr", [self.CODEC] * 4)
+        self.write("c.zarr", "o.bvol")
+        self.write_metadata("c.zarr", [self.CODEC] * 80000)
+        self.assert_error("c.zarr", "more than 4 codecs")
+        self.write_metadata("i.zarr/0")
+        axes = [{"name": name, "type": "space"} for name in "zyx"]
+        self.write_image(axes, [{"label": "a"}])
+        self.write("i.zarr", "o.bvol")
+        self.write_image([{"name": "z", "unit": "u"}] * 33, [])
+        self.assert_error("i.zarr", "33 axes")
+        self.write_image(axes, [{"label": "a"}] * 1025)
+        self.assert_error("i.zarr", "1025 channels")
+
+    def test_separators_of_chunks_lead_nowhere_else(self):
+        self.write_metadata("s.zarr", separator=".")
+        self.write("s.zarr", "o.bvol")
+        self.write_metadata("s.zarr", separator="/../../x/")
+        self.assert_error("s.zarr", "separate")
+
+    def test_numbers_that_json_does_not_have_are_read_as_python_writes_them(self):
+        numbers = {"a": numpy.nan, "b": [-numpy.inf, numpy.inf], "c": 'a " NaN, \\', "d": {"e": numpy.nan}}
+        self.write_metadata("p.zarr", attributes=numbers)
+        self.write("p.zarr", "o.bvol")
+        for bad in ("NaNs", "nan", "-NaN", "- Infinity", "Inf", "NaN NaN", "1NaN"):
+            self.write_text("b.zarr/.zattrs", f'{{"a": {bad}}}')
+            self.assert_error("b.zarr", "b.zarr/.zattrs: cannot be read: it is no JSON object; truncated?")
+        for dtype, fill in (("float32", numpy.nan), ("float32", "NaN"), ("float32", -numpy.inf), ("float64", numpy.inf)):
+            self.assert_fill(dtype, fill, float(fill))
+
+    def assert_fill(self, dtype, fill, value):
+        self.write_metadata("f.zarr", data_type=dtype, fill_value=fill)
+        self.assert_equal_volumes(self.write("f.zarr", "o.bvol"),
+                                  self.write_raw(numpy.full((2, 2, 2), value, dtype), "f"))
+
+    def test_a_fill_value_may_be_the_maximum_of_its_type_as_a_float(self):
+        for dtype in ("uint8", "int8", "uint16", "int32", "uint32"):
+            self.assert_fill(dtype, float(numpy.iinfo(dtype).max), numpy.iinfo(dtype).max)
+        # The maximum of 64 bits is no double: the next one stands for it.
+        for dtype, fill, value in (("uint64", 2**64 - 1, 2**64 - 1), ("uint64", 2.0**64, 2**64 - 1),
+                                   ("int64", 2.0**63, 2**63 - 1), ("int64", -2.0**63, -2**63)):
+            self.assert_fill(dtype, fill, value)
+        for dtype, fill in (("uint8", 255.5), ("uint8", 256.0), ("uint8", -1.0), ("int16", 32768.0),
+                            ("uint64", 1.8446744073709556e19), ("int64", 9.223372036854778e18), ("uint8", numpy.nan)):
+            self.write_metadata("f.zarr", data_type=dtype, fill_value=fill)
+            self.assert_error("f.zarr", "f.zarr: cannot be read: its metadata have a fill value beyond the data type")
+
+    def test_an_array_is_read_beside_folders_with_damaged_metadata(self):
+        self.write_text("d.zarr/.zgroup", '{"zarr_format": 2}')
+        self.write_text("d.zarr/a/.zattrs", '{"a": ')
+        error = "d.zarr/a/.zattrs: cannot be read: it is no JSON object; truncated?"
+        self.assert_error("d.zarr", error)
+        self.write_metadata("d.zarr/b")
+        self.write_text("d.zarr/c/zarr.json", "{")
+        self.assertEqual(list(self.convert("d.zarr")[1]), ["b"])
+        self.assert_error("d.zarr:a", error)
+        lines = self.run_tool("--list", "d.zarr")[1].splitlines()
+        self.assertEqual(len(lines), 3)
+        self.assertIn(error, lines[0])
+        self.assertIn("2 x 2 x 2", lines[1])
+
+
 class ImagesAndErrors(SourceCase):
     def write_image(self, name, version, samples, axes, transformations, **more):
         image = {"version": "0.4", "axes": axes, "datasets": [

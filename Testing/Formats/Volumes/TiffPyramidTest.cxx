@@ -117,28 +117,3 @@ TEST(TiffPyramid, DamagedSmallerImagesGiveErrorsOrSamples)
   EXPECT_GT(pages, 100) << "of a pyramid that cannot be read";
   EXPECT_GT(refused, 100);
 }
-
-TEST(TiffPyramid, ThumbnailsAmongThePagesAreLeftOut)
-{
-  const ScratchFolder folder;
-  const auto volume = MakeRamp<std::uint8_t>({ 12, 9, 3 });
-  TIFF* tiff = TIFFOpen((folder / "a.tif").c_str(), "w");
-  for (const std::int64_t page : { 0, 1, 2 })
-  {
-    WritePage(tiff, volume, page, {});
-    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
-    TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_REDUCEDIMAGE);
-    SetFormat<std::uint8_t>(tiff, { 4, 3, 1 }, {});
-    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 3);
-    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_RGB);
-    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
-    for (std::uint32_t row = 0; row < 3; ++row)
-    {
-      std::vector<std::uint8_t> colors(12, 200);
-      ASSERT_EQ(TIFFWriteScanline(tiff, colors.data(), row, 0), 1);
-    }
-    ASSERT_EQ(TIFFWriteDirectory(tiff), 1);
-  }
-  TIFFClose(tiff);
-  ExpectStack(folder / "a.tif", volume);
-}
