@@ -26,8 +26,8 @@ namespace isosurface
  *
  * VTK's messages count in vtkIdType, but MPI counts in int: longer messages go in several parts.
  *
- * Where any rank needs AgreedBytes or more for what it reduces or receives, the ranks agree that all
- * have the memory before they send: else all throw NoMemoryForMessages.
+ * Where a collective needs AgreedBytes or more of memory on any rank, the ranks agree that each has
+ * the memory before any sends; otherwise all throw NoMemoryForMessages.
  */
 class ISOSURFACEBRIDGE_EXPORT ControllerCommunicator : public Communicator
 {

@@ -56,7 +56,7 @@ ISOSURFACEBRIDGE_EXPORT void MarkAborted(vtkAlgorithm& algorithm);
 ISOSURFACEBRIDGE_EXPORT int EndExecution(
   vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& status);
 
-/// Lets an algorithm work though what is before it has stopped once, whose data it does not take.
+/// Lets `algorithm`, which takes no data of its input, execute although the input was stopped once.
 ISOSURFACEBRIDGE_EXPORT void IgnoreAbortedInput(vtkAlgorithm& algorithm);
 
 /// Whether the filter that gives the input has stopped. Always false before VTK 9.2.

@@ -19,12 +19,12 @@ namespace isosurface
 class DepthSharing
 {
 public:
-  /// Adds to the proposal whether this rank can share depths in the next frame, of which it would draw
-  /// the first choice, and whether it wants to. `isAllowed`: whether it may at all.
+  /// Adds to `proposal`, the first choice of which is drawn, whether this rank can share depths in the next
+  /// frame, and whether that pays. `isAllowed`: whether sharing is switched on.
   void Begin(const vtkRenderState* state, const PixelRectangle& display, bool isAllowed,
     FrameProposal& proposal);
 
-  /// Draws a frame of which `plan` was made. Collective if the plan shares depths.
+  /// Draws the frame of `plan`. Collective if the plan shares depths.
   Status Draw(
     Communicator& communicator, const FramePlan& plan, const std::function<Status()>& draw);
 

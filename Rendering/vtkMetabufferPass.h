@@ -133,8 +133,8 @@ public:
 
   ///@{
   /**
-   * Whether the pass erases what it draws to, its viewport or the whole display; the renderer must
-   * not erase then. Off by default.
+   * Whether the pass, not the renderer, erases the pixels that the pass draws to: its viewport or the
+   * whole display. Off by default.
    */
   vtkSetMacro(ErasesDisplay, bool);
   vtkGetMacro(ErasesDisplay, bool);

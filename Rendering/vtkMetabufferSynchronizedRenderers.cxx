@@ -55,6 +55,8 @@ std::uint32_t ReadBackground(vtkOpenGLRenderer* renderer, vtkOpenGLState* gl, in
   return background;
 }
 
+} // namespace
+
 /**
  * Puts a merged image over a renderer's background. The result is bit for bit that of
  * vtkSynchronizedRenderers::vtkRawImage::PushToViewport(), which blends a textured rectangle: in
@@ -126,7 +128,6 @@ private:
   std::vector<std::uint32_t> Band; ///< some rows, put over the background
 };
 
-} // namespace
 } // namespace isosurface
 
 class vtkMetabufferSynchronizedRenderers::Internals

@@ -8,7 +8,7 @@
 namespace isosurface
 {
 
-/// The time that is left for surfaces of an image that nobody sees (vtkIsosurfaceMapper::BeginBudget).
+/// The time left to draw the surfaces of an image that is not shown (vtkIsosurfaceMapper::BeginBudget).
 class DrawingBudget
 {
 public:

@@ -45,13 +45,13 @@ class OcclusionCulling
 public:
   using DrawIndices = std::function<void(vtkOpenGLIndexBufferObject* indices)>;
 
-  /// Whether what is drawn now can be left out where something is in front of it: the framebuffer has
-  /// one image of opaque triangles, and their depths can be read.
+  /// Whether hidden triangles can be left out: `actor` is opaque, the framebuffer has one image, and
+  /// its depths can be read.
   static bool IsPossible(vtkRenderer* renderer, vtkActor* actor);
   /// Whether the processor draws, which takes long for each triangle.
   static bool IsSoftware();
 
-  /// Takes another surface. Until its first image, that of the surface before tells what may be hidden.
+  /// Takes another surface. In its first image, the depths of the last surface tell what may be hidden.
   void Take(const TriangleMeasure& measure);
 
   /// Draws the surface of `mapper`, which were changed last at `changed`. `all` has the indices of all

@@ -55,6 +55,8 @@ void UndoShuffle(const std::uint8_t* from, std::size_t count, std::uint8_t* to)
   }
 }
 
+} // namespace
+
 /**
  * Decodes chunks of a dataset without the library, and so without its lock: those of plain integers
  * and floats that were shuffled, deflated, both or neither. Others are left to the library.
@@ -232,6 +234,9 @@ private:
   std::vector<std::uint8_t> Inflated;
   std::vector<std::uint8_t> Ordered; ///< after the shuffle was undone
 };
+
+namespace
+{
 
 hid_t GetNativeType(ValueType type)
 {

@@ -59,10 +59,10 @@ struct ArrayAxes
   static Result<ArrayAxes> Parse(const std::string& letters, std::size_t rank);
   /// The letter of an axis of that name: "z" of "Depth"; "?" if the name tells none.
   static char FindLetter(const std::string& name);
-  /// The letters of axes, of which `known` has those that a file tells, and "?" for others; or nothing.
-  /// Others are those that Parse() takes without letters; but a last axis of one sample behind three or four
-  /// others, or of up to four behind longer ones, is that of components. What is not certain is told, with
-  /// the axes' names, if they have some.
+  /// The letters of all axes. `known`: the letters that a file tells, "?" for other axes; or empty. Other
+  /// axes have the letters that Parse() takes without any; but a last axis of one sample behind three or four
+  /// axes, or of up to four samples behind longer axes, has components. `told` gets a sentence about each axis
+  /// that is not certain, with the `names` of the axes, if they have some.
   static std::string Guess(const StoredArray::Numbers& shape, const std::string& known,
     const std::string& names, std::string& told);
 };

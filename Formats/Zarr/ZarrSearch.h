@@ -36,7 +36,7 @@ const nlohmann::json& FindOme(const ZarrNode& node);
 const nlohmann::json& FindImage(const nlohmann::json& ome);
 /// The path of a level, the finest one first; empty if there is none.
 std::string GetLevelPath(const nlohmann::json& datasets, std::size_t level);
-/// The texts of a list, or of a member of its objects; those that lead elsewhere are left out.
+/// The paths in a list, or in a member of its objects, without those that lead out of the folder.
 std::vector<std::string> ListPaths(const nlohmann::json& list, const char* member = nullptr);
 /// "a, b, c": the first hundred.
 std::string JoinTexts(const std::vector<std::string>& texts);

@@ -59,31 +59,6 @@ template <bool Encodes>
 std::unique_ptr<SliceLayer> MakePlaneNumbers(
   const BlockContent& content, BlockValues& values, CoderInstructions instructions);
 
-extern template std::unique_ptr<SignLayer> MakePlaneSigns<false>(
-  const BlockContent&, CoderInstructions);
-extern template std::unique_ptr<SignLayer> MakePlaneSigns<true>(
-  const BlockContent&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakePlaneNumbers<false>(
-  const BlockContent&, BlockValues&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakePlaneNumbers<true>(
-  const BlockContent&, BlockValues&, CoderInstructions);
-extern template std::unique_ptr<SignLayer> MakeSignLayer(
-  RangeEncoder&, BlockModel&, const BlockContent&, CoderInstructions);
-extern template std::unique_ptr<SignLayer> MakeSignLayer(
-  RangeDecoder&, BlockModel&, const BlockContent&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakeValueLayer(
-  RangeEncoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakeValueLayer(
-  RangeDecoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakeCrossingLayer(
-  RangeEncoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakeCrossingLayer(
-  RangeDecoder&, BlockModel&, const BlockContent&, BlockValues&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakeAttributeLayer(
-  RangeEncoder&, const BlockContent&, const CodedAttribute&, CoderInstructions);
-extern template std::unique_ptr<SliceLayer> MakeAttributeLayer(
-  RangeDecoder&, const BlockContent&, const CodedAttribute&, CoderInstructions);
-
 } // namespace isosurface
 
 #endif

@@ -33,13 +33,13 @@ void ShiftIds(const EdgeIndexHeader& header, std::size_t isovalue, Buffer<std::i
 Result<Surface> ExtractBlockSurface(
   const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue);
 
-/// Those of a block at one isovalue, in the order of their FirstId. The samples are those to encode, or decoded
+/// The islands of a block at one isovalue, in the order of their FirstId. `samples`: those to encode, or decoded
 /// ones. Errors: what ExtractSurface returns.
 Result<std::vector<BlockIsland>> FindBlockIslands(
   const EdgeIndexHeader& header, const BlockSamples& samples, std::size_t isovalue);
 
-/// Drops the islands of a surface of several blocks, which has GlobalIds, of which `told` has parts that are not
-/// kept. Errors: Corrupt, if it also has parts of such an island that are kept.
+/// Drops the islands of `surface`, which has GlobalIds and is of several blocks, whose parts in `told` are not
+/// kept. Errors: Corrupt, if `told` keeps one part of an island and not another.
 Status KeepBlockIslands(const std::vector<BlockIsland>& told, int threads, Surface& surface);
 
 } // namespace isosurface

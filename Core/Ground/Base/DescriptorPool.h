@@ -83,7 +83,7 @@ public:
 
   /// The descriptor; an error if another file is at the path when it is opened again.
   Result<std::shared_ptr<Descriptor>> Use();
-  /// The same, opened anew if it is still `stale`: a server of files has forgotten that one.
+  /// The descriptor, opened anew if it still is `stale`, which the server of files has forgotten.
   Result<std::shared_ptr<Descriptor>> Renew(const std::shared_ptr<Descriptor>& stale);
 
 private:

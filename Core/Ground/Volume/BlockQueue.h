@@ -17,7 +17,7 @@ class BlockQueue
 public:
   virtual ~BlockQueue() = default;
 
-  /// The next blocks, numbers in the source, none of which was taken before; none if that is all.
+  /// The numbers in the source of the next blocks, each of which is taken once; none at the end.
   virtual Result<std::vector<std::size_t>> Take() = 0;
 
   /// About how many blocks there will be.

@@ -12,7 +12,7 @@
 namespace isosurface
 {
 
-/// What a user says of a grid in place of its file: what is not set is the file's.
+/// A user's spacing, origin and unit of a grid; members without a value are those of the file.
 struct GridPlace
 {
   std::optional<std::array<double, 3>> Spacing = {}; ///< distances; the file's directions stay

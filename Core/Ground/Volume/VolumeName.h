@@ -9,7 +9,7 @@
 namespace isosurface
 {
 
-/// The name of a volume: a file or a folder, and perhaps what is meant of it behind a colon
+/// The name of a volume: a file or a folder, and perhaps a dataset in it behind a colon
 /// ("run.h5:/entry/data", "climate.nc:temperature").
 struct VolumeName
 {

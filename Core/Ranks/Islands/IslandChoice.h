@@ -21,10 +21,10 @@ namespace isosurface
 /// What an error of a shortage of memory says.
 constexpr const char* NoMemoryForIslands = "the islands of the isosurface cannot be found";
 
-/// By what islands are large or small.
+/// The measure by which islands are large or small.
 enum class IslandSize
 {
-  Triangles, ///< at full resolution: at level l, 4^l times those that there are
+  Triangles, ///< at full resolution: at level l, 4^l times the triangles of the level
   Area,      ///< in the world
   Volume     ///< that the island encloses, in the world
 };

@@ -20,8 +20,8 @@ namespace isosurface
  * shares: its own share from the front, then, always from the rank with the most blocks left, some
  * from the back. All ranks know all shares. What is left of a share is one counter of that rank:
  * how many blocks its owner has claimed from the front, and how many others have from the back, in
- * half of the bits each. A claim adds to it, in one step, and the value before tells what was
- * claimed; so each block is claimed once, whatever happens at the same time, and no rank waits.
+ * half of the bits each. A claim adds to the counter in one step; the value before the addition
+ * tells which blocks are claimed. So each block is claimed once, and no rank waits for another.
  *
  * Claims become smaller towards the end: a rank that becomes slow keeps what it has claimed. Cost:
  * a claim of the own share is one addition to the own counter, for a sixteenth of what is left, at

@@ -57,10 +57,10 @@ private:
   {
     return this->Cache.Contains(this->MakeKey(variable));
   }
-  /// Returns the end of the components, beginning with this one, that one read fetches. At a
-  /// coarser level than 0 that is this one alone, since the bytes in between are not needed.
+  /// Returns the end of the components from `component` on that one read fetches. At levels
+  /// above 0 a read fetches `component` alone, since the bytes between components are not needed.
   std::size_t FindEndOfRead(std::size_t component) const;
-  /// Also reads the components that follow it in the record, if they are needed.
+  /// Also reads the next components of the record, if they are announced.
   Result<Block> ReadComponent(std::size_t component);
   Result<Block> MakeMagnitude(std::size_t array);
 

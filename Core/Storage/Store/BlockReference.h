@@ -19,7 +19,7 @@ struct BlockReference
   std::uint32_t Part = 0;    ///< StoredLevel::Part
   std::uint32_t Replica = 0; ///< of the store, which is read first; all have the same bytes
 
-  /// Whether it is the same block, whichever replica is read.
+  /// Whether both are the same block, of any replica.
   bool operator==(const BlockReference& other) const
   {
     return this->Block == other.Block && this->Store == other.Store &&

@@ -26,10 +26,10 @@ namespace isosurface
 class BlockStore;
 class VolumeStores;
 
-/// What ranks have told each other of lost and damaged stores; the same on all of them.
+/// The lost and damaged stores that the ranks have told each other; the same on all ranks.
 struct StoreNews
 {
-  bool IsNew = false;  ///< whether something is known that was not known before
+  bool IsNew = false;  ///< whether a fault was not known before
   std::string Warning; ///< names the stores that no warning has named yet; may be empty
 };
 

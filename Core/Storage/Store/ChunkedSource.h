@@ -39,7 +39,7 @@ public:
   /**
    * Puts such a source in place of `source`, a file as it was opened by its name (VolumeName), if its
    * chunks can be decoded by several threads, and the memory is enough for two layers of them and for two
-   * threads. `record` tells what of it is read; it is that of the volume `path` if chunks are shared.
+   * threads. `record`: which part of the file is read; of the volume `path` if chunks are shared.
    * Errors: those of opening the file again.
    */
   static Status Replace(std::unique_ptr<BoxSource>& source, FileSystem& files, VolumeOpener opener,

@@ -15,10 +15,10 @@ namespace isosurface
 /// The next blocks of a volume that is being written.
 struct FinishedBlocks
 {
-  /// Ranges[variable][n] is the value range of the n-th of them, whichever rank has written it.
+  /// Ranges[variable][n] is the value range of the n-th next block, on whichever rank it was written.
   std::vector<std::vector<KeyRange>> Ranges;
-  /// Of a volume that is not in place: the records of those that this rank has written, by the folders
-  /// of their stores.
+  /// Of a volume that is not in place: the records of the blocks that this rank has written, by the
+  /// folders of their stores.
   std::map<std::string, std::vector<BlockDirectoryEntry>> Records;
 };
 

@@ -87,7 +87,7 @@ private:
   BlockGrid Grid;
   std::atomic<bool> IsEnded = false;
   std::atomic<int> Shown = 0;             ///< surfaces
-  std::mutex OpeningMutex;                ///< guards Samples, whose opening nobody else waits for
+  std::mutex OpeningMutex;                ///< guards Samples while the source is being opened
   std::shared_ptr<SourceSamples> Samples; ///< null until blocks are asked for
   mutable std::mutex Mutex;               ///< guards what follows
   std::vector<std::vector<KeyRange>> Ranges;

@@ -82,7 +82,7 @@ public:
   const std::string& GetName() const { return this->Name; }
   /// Ok if the source's files are as they were when it was indexed (CheckSourceFiles).
   Status CheckUnchanged() const;
-  /// What follows if a block's samples are not those that were indexed. Corrupt.
+  /// The error, Corrupt, for a block whose samples differ from those that were indexed.
   Status MakeChanged(std::int64_t block) const;
 
 private:

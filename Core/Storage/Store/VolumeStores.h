@@ -93,7 +93,7 @@ public:
 
   StoreFaults& GetFaults() { return this->Faults; }
 
-  /// One sentence about the stores that faults are new of, as far as it was not told before; or "".
+  /// One sentence about the stores with faults in `news` that were not told before; "" if none.
   std::string DescribeNews(const std::vector<StoreFault>& news);
 
   /// What isosurfaces take of each store, the same on all ranks: the triangles, or, if the ranks

@@ -24,8 +24,8 @@ struct VolumeRepair
 
 /**
  * Restores the lost and damaged replicas of stores of a blocked volume, byte for byte, from the
- * others. If no replica of a store is sound, it is put together of those parts that are: pages of
- * directories and trees, records. A replica is written beside the damaged one, checked, and its
+ * others. If no replica of a store is sound, the store is put together of the sound pages of
+ * directories and trees, and the sound records. A replica is written beside the damaged one, checked, and its
  * files renamed into place; so a repair may be killed at any time, and the next one goes on.
  * Queries may go on meanwhile. The header stays as it is.
  *
@@ -33,8 +33,8 @@ struct VolumeRepair
  * InvalidArgument if the volume has no replicas; IoError if another program writes the volume, or
  * there is no space; Aborted.
  *
- * Cost: reads all replicas once, and what is restored once more; writes that. Space: that of one
- * replica.
+ * Cost: reads all replicas once, writes the restored files and reads them once more. Space: that of
+ * one replica.
  */
 Result<VolumeRepair> RepairBlockedVolume(
   const std::string& path, FileSystem& files, int threads, const Progress& progress = {});

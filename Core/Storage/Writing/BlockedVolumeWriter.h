@@ -61,7 +61,7 @@ struct BlockedVolumeSettings
   /// volume, from the same source, goes on there, with any number of ranks; it keeps the stores,
   /// unless the settings name a number. Only with InPlace or CopyOf, on file systems with locks.
   std::optional<double> JournalSeconds;
-  /// Of these, a write that takes less need not wait for the disk.
+  /// Within so many seconds between checkpoints, a write need not wait for the disk.
   static constexpr double UsualJournalSeconds = 10;
   /// Called on the first rank, before anything is written, if the disk has not the room that the
   /// samples take uncompressed.

@@ -18,9 +18,9 @@ void MovePoints(const BrickSurface& part, const std::vector<AttributeLayout>& at
   std::size_t from, std::size_t to, std::size_t count);
 
 /**
- * Drops those points of a brick that it does not own any more, in place: the part is then what it
- * were if it had been made with the ownership `after`, which has no edge that `before` does not
- * have. `vertices` are those of the brick; `dropped` is memory that is used again. Cost: the rows
+ * Drops the points of a brick that it does not own any more, in place: `part` is then as if it had
+ * been made with the ownership `after`, which must be a subset of `before`.
+ * `vertices` are those of the brick; `dropped` is memory that is used again. Cost: the rows
  * on the faces that are shared now, and moving the points behind the first one that is dropped.
  */
 void RestrictPoints(const VertexBox& vertices, const BrickOwnership& before,

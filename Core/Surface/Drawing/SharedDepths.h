@@ -14,11 +14,11 @@ namespace isosurface
 {
 
 /**
- * What ranks tell each other of an image while they draw it: how far away their triangles are. So a rank
- * leaves out what is behind the triangles of others (VisibleRuns).
+ * The depths of triangles that ranks tell each other while they draw an image. So a rank leaves out the
+ * triangles that are behind those of others (VisibleRuns).
  *
- * Each rank tells once: when the mapper that is drawn last has drawn what was visible in the image before;
- * without such a mapper, when all is drawn. So the ranks meet at the same place, whatever else
+ * Each rank tells its depths once: when the last mapper has drawn the triangles that were visible in the image
+ * before; without such a mapper, when all triangles are drawn. So the ranks meet at the same place, whatever else
  * communicates while it is drawn.
  */
 class SharedDepths

@@ -42,8 +42,8 @@ public:
   std::vector<Range> FindFirst(const DepthPyramid& before);
   /// The triangles to draw next, in their order, and none at the end. `drawn`: the image so far.
   std::vector<Range> FindNext(const DepthPyramid& drawn);
-  /// Whether what FindNext() has returned is all of the surface that is in the image: too little of it
-  /// was drawn first.
+  /// Whether FindNext() has returned all triangles in the image, since FindFirst() had returned too
+  /// few.
   bool HasBegunAnew() const { return this->BegunAnew; }
 
   /// All triangles that have been drawn, in their order; those of runs that may cover a pixel.
