@@ -211,9 +211,13 @@ class ChangesAndErrors(InPlaceCase):
         with h5py.File(self.path("a.h5"), "r+") as file:
             file["d"][3, 4, 5] += 1
         self.assert_faulty(self.volume, "a.h5: was changed since")
+        with open(self.volume, "rb") as file:
+            before = file.read()
         code, _, err = self.run_tool("--quiet", "--source", "a.h5", self.volume)
         self.assertEqual(code, 1)
         self.assertIn("has other samples", err)
+        with open(self.volume, "rb") as file:
+            self.assertEqual(file.read(), before)
         with h5py.File(self.path("a.h5"), "r+") as file:
             file["d"][3, 4, 5] -= 1
         code, _, err = self.run_tool("--quiet", "--source", "a.h5", self.volume)

@@ -181,27 +181,6 @@ TEST_F(BlockedVolumeWriter, TellsProgressThatRises)
   EXPECT_GT(progress.Shares.size(), 3u);
 }
 
-TEST_F(BlockedVolumeWriter, StopsWhenToldToAndLeavesOldFile)
-{
-  const auto old = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(100, 1));
-  WriteVolume(old, this->GetPath());
-  const std::uint64_t before = ComputeFingerprint(this->GetPath());
-  vtkNew<vtkBlockedVolumeWriter> writer;
-  writer->SetInputData(MakeClosedVolume({ 0, 60, 0, 60, 0, 60 }, VTK_FLOAT));
-  writer->SetFileName(this->GetPath().c_str());
-  writer->SetNumberOfStores(3);
-  for (const double stop : { 0.0, 0.1, 0.5, 0.9 })
-  {
-    const ExpectNoErrors errors(writer);
-    const ProgressKeeper progress(writer, StopAbove(writer, stop));
-    EXPECT_EQ(writer->Write(), 0) << stop;
-    EXPECT_EQ(ComputeFingerprint(this->GetPath()), before) << stop;
-    writer->SetAbortExecute(0);
-  }
-  EXPECT_EQ(writer->Write(), 1);
-  EXPECT_NE(ComputeFingerprint(this->GetPath()), before);
-}
-
 TEST_F(BlockedVolumeWriter, FullDiskLeavesOldFile)
 {
   const auto old = MakeImage({ 0, 20, 0, 20, 0, 20 }, VTK_SHORT, MakeNoise(100, 1));

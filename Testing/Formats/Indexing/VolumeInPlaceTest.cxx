@@ -204,17 +204,6 @@ TEST(VolumeInPlace, StoresHaveHeadersOfSegmentsAlone)
   EXPECT_TRUE(made.Verify().Faults.empty());
 }
 
-TEST(VolumeInPlace, CoarserLevelsAreThoseOfTheCopiedVolume)
-{
-  InPlaceDisk made({ 33, 20, 11 });
-  const auto volume = OpenInPlace(made.Disk);
-  for (int level = 1; level < volume->GetNumberOfLevels(); ++level)
-  {
-    QueryStatistics statistics;
-    ExpectReadsBack(*volume, made.Volume, level, statistics);
-  }
-}
-
 TEST(VolumeInPlace, ALargeSurfaceFollowsACoarserOneSoonerThanThatOfACopyDoes)
 {
   InPlaceDisk made({ 33, 20, 11 });
@@ -232,20 +221,6 @@ TEST(VolumeInPlace, ALargeSurfaceFollowsACoarserOneSoonerThanThatOfACopyDoes)
   EXPECT_TRUE(isDirect(*inPlace, 0.9 * DirectSurfaceTrianglesInPlace));
   EXPECT_FALSE(isDirect(*inPlace, 1.1 * DirectSurfaceTrianglesInPlace));
   EXPECT_TRUE(isDirect(*copied, 1.1 * DirectSurfaceTrianglesInPlace));
-}
-
-TEST(VolumeInPlace, MissingChunksHaveTheFillValue)
-{
-  const auto isLeftOut = [](const Index3& chunk) { return chunk[0] == 1 && chunk[2] == 2; };
-  SampleVolume<std::int16_t> filled = MakeVolume<std::int16_t>(Size);
-  VisitVertices(VertexBox{ { 33, 0, 22 }, { 66, Size[1], 33 } },
-    [&](const Index3& vertex) { filled.At(vertex) = -7; });
-  InPlaceDisk made({ 33, 20, 11 }, 1, 1, filled);
-  ASSERT_TRUE(made.Disk.RemoveAll(InPlaceSource).IsOk());
-  WriteZarr(made.Disk, InPlaceSource, filled, { 33, 20, 11 }, isLeftOut);
-  made.Write(MakeSettings(16, 1));
-  QueryStatistics statistics;
-  EXPECT_EQ(Contour(*OpenInPlace(made.Disk), 1, false, statistics), ContourCopy(filled));
 }
 
 TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)
@@ -334,38 +309,6 @@ TEST(VolumeInPlace, AVolumeThatIsOpenTellsThatItsSourceWasChanged)
   EXPECT_NE(changed.GetMessage().find("modified at another time"), std::string::npos);
   made.Disk.SetModified(InPlaceSource + "/0.0.0", 1);
   EXPECT_TRUE(volume->CheckSource(0).IsOk());
-}
-
-TEST(VolumeInPlace, ASourceInANewPlaceIsTakenIfItHasTheSameSamples)
-{
-  const Index3 chunk = { 33, 20, 11 };
-  InPlaceDisk made(chunk);
-  ASSERT_TRUE(made.Disk.RemoveAll(InPlaceSource).IsOk());
-  const std::string moved = "/archive/other name.zarr";
-  WriteZarr(made.Disk, moved, made.Volume, chunk);
-  ASSERT_TRUE(RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2).IsOk());
-  EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
-
-  // Other times: the samples are compared.
-  made.Disk.SetModified(moved + "/0.0.0", 5);
-  EXPECT_NE(FindError(*OpenInPlace(made.Disk)), "");
-  ASSERT_TRUE(RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2).IsOk());
-  EXPECT_EQ(FindError(*OpenInPlace(made.Disk)), "");
-
-  made.Disk.SetModified(moved + "/0.0.0", 6);
-  made.Disk.GetFile(moved + "/2.1.1")[500] ^= 4;
-  const auto before = made.Disk.GetFile(VolumePath);
-  const Status changed = RelocateSource(made.Disk, OpenForeignVolume, VolumePath, moved, 2);
-  ExpectError(changed, StatusCode::Corrupt, "has other samples");
-  EXPECT_EQ(made.Disk.GetFile(VolumePath), before);
-
-  WriteZarr(made.Disk, "/archive/chunks.zarr", made.Volume, { 10, 10, 10 });
-  EXPECT_EQ(
-    RelocateSource(made.Disk, OpenForeignVolume, VolumePath, "/archive/chunks.zarr", 2).GetCode(),
-    StatusCode::Corrupt);
-  EXPECT_EQ(
-    RelocateSource(made.Disk, OpenForeignVolume, VolumePath, "/archive/nothing.zarr", 2).GetCode(),
-    StatusCode::NotFound);
 }
 
 TEST(VolumeInPlace, TimeStepsAreAppendedInPlaceOrRefused)
