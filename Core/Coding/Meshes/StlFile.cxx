@@ -71,7 +71,7 @@ Result<std::unique_ptr<MeshFile>> StlFile::Create(
                                                     : "Isosurface of an edge-index file";
   std::memcpy(head.data(), text.data(), std::min(text.size(), TextSize));
   ISOSURFACE_RETURN_IF_ERROR(file->Append(head.data(), head.size()));
-  return std::unique_ptr<MeshFile>(std::make_unique<StlFile>(std::move(file)));
+  return std::unique_ptr<MeshFile>(new StlFile(std::move(file)));
 }
 
 Status StlFile::Append(const Mesh& mesh, const PointNumbers&)
