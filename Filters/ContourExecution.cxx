@@ -302,12 +302,10 @@ Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const Surfa
   {
     task.Request.Attributes.push_back(array.Layout);
   }
-  task.Finished = input.GetHandle().GetFinished();
-  const std::string& sampled = input.GetHandle().GetSampled();
   std::string warning;
   const Status status = RunWithReplicas(
     ranks, [&] { return task.Volume.get(); }, warning,
-    [&] { return this->ExtractOnce(task, sampled, outcome); });
+    [&] { return this->ExtractOnce(input, task, outcome); });
   ReportWarning(&this->Contour, ranks, status, warning);
   return this->ChooseIslands(
     ranks, status,
@@ -396,7 +394,7 @@ RefinementRequest ContourExecution::MakeRefinementRequest()
 }
 
 Status ContourExecution::ExtractOnce(
-  ExtractionTask task, const std::string& sampled, ContourOutcome& outcome)
+  const VolumeInput& input, const ExtractionTask& task, ContourOutcome& outcome)
 {
   ControllerCommunicator ranks = this->GetRanks();
   const ExtractionBudget budget = { this->Contour.GetTimeBudget(),
@@ -405,22 +403,20 @@ Status ContourExecution::ExtractOnce(
   wanted.Level = this->Contour.GetLevel();
   wanted.IsProgressive = this->Contour.GetProgressive() != 0;
   this->InMemory.Release();
-  this->Stored.Ask(task, budget, sampled);
+  this->Stored.Ask(task, budget, input.GetHandle().GetFinished(), input.GetHandle().GetSampled());
   ISOSURFACE_ASSIGN_OR_RETURN(const auto choice, this->Surfaces.Begin(ranks, this->Stored, wanted));
   outcome.MayStay = choice.MayStay;
   outcome.Stays = choice.Stays;
   outcome.Cost.Level = choice.Level;
-  Status status;
-  if (!outcome.Stays)
+  if (outcome.Stays)
   {
-    if (!budget.IsLimited())
-    {
-      this->WarnOfLackOfMemory(task, choice.Level);
-    }
-    status = this->Surfaces.Extract(ranks, outcome);
+    return Status::Ok();
   }
-  outcome.Final = this->Surfaces.IsFinal();
-  return status;
+  if (!budget.IsLimited())
+  {
+    this->WarnOfLackOfMemory(task, choice.Level);
+  }
+  return this->Stored.Extract(ranks, choice.Level, outcome);
 }
 
 Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcome& outcome)
@@ -436,7 +432,7 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
   if (status.IsOk()) // on all ranks
   {
     status = this->ChooseIslands(
-      ranks, this->Surfaces.Extract(ranks, outcome),
+      ranks, this->InMemory.Extract(ranks, choice->Level, outcome),
       [&] { return this->InMemory.MakeQuery(choice->Level).MakeIslandGrids(ranks); }, outcome);
   }
   if (status.IsOk() && pieces.BlockNames.size() > 1)
@@ -449,8 +445,7 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
         return Status::Ok();
       });
   }
-  outcome.Final = this->Surfaces.IsFinal();
-  if (outcome.Final || !status.IsOk())
+  if (!status.IsOk() || choice->IsFinal)
   {
     this->InMemory.Release();
   }
@@ -499,6 +494,12 @@ Result<MemoryQuery> ContourExecution::CollectImages(Communicator& ranks, vtkInfo
 
 //------------------------------------------------------------------------------
 // Finer surfaces
+
+bool ContourExecution::SetShown(bool shown, const ContourOutcome& made)
+{
+  this->Surfaces.SetShown(shown, made.Cost.Level, made.ExtractedTriangles);
+  return !shown || this->Surfaces.IsFinal();
+}
 
 bool ContourExecution::Refine()
 {

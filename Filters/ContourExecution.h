@@ -13,9 +13,9 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/Region.h"
 #include "Ranks/Islands/IslandChoice.h"
+#include "Ranks/Query/FieldRefinement.h"
+#include "Ranks/Query/GrowingField.h"
 #include "Ranks/Query/MemoryField.h"
-#include "Ranks/Query/StoredField.h"
-#include "Ranks/Query/SurfaceRefinement.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "SurfacePolyData.h"
 
@@ -41,7 +41,6 @@ struct ContourOutcome : ExtractionOutcome
   std::vector<InterpolatedArray> Arrays; ///< of the surface's attributes
   std::string ArrayName;                 ///< of the contoured array
   SurfaceBlocks Blocks; ///< of the input, if it has several with surfaces of their own
-  bool Final = true;    ///< whether a progressive surface is at its last level
   bool MayStay = false; ///< whether the next execution may have it stay
   bool Stays = false;   ///< whether nothing was extracted, and the last surface stays
   std::size_t ExtractedTriangles = 0;   ///< before islands were left out
@@ -74,8 +73,8 @@ public:
   bool Refine();
   /// Tells that the filter was modified by Refine alone.
   void KeepPass(vtkMTimeType time) { this->Surfaces.KeepChange(time); }
-  /// Tells whether the surface of the level was extracted, and the triangles of this rank's part.
-  void SetShown(bool shown, std::size_t triangles) { this->Surfaces.SetShown(shown, triangles); }
+  /// Tells whether all ranks have what Extract has given. Whether it is final.
+  bool SetShown(bool shown, const ContourOutcome& made);
   /// Whether surfaces after a change may be coarse though the filter is not progressive.
   void AllowCoarse(bool allowed) { this->CoarseAllowed = allowed; }
 
@@ -110,8 +109,7 @@ private:
   std::uint64_t ComputeFingerprint(const SurfaceQuery& query, const ContourBlocks* blocks);
   Status ExtractFromVolume(const VolumeInput& input, const SurfaceQuery& query,
     vtkInformation* outInfo, ContourOutcome& outcome);
-  /// `sampled`: as vtkBlockedVolumeHandle has it.
-  Status ExtractOnce(ExtractionTask task, const std::string& sampled, ContourOutcome& outcome);
+  Status ExtractOnce(const VolumeInput& input, const ExtractionTask& task, ContourOutcome& outcome);
   /// The bytes of memory that this rank can still have; 0 if that is not known.
   std::uint64_t FindFreeMemory();
   void WarnOfLackOfMemory(const ExtractionTask& task, int level);
@@ -135,9 +133,9 @@ private:
 
   vtkStabbingContour& Contour;
   CellAverages Averages;
-  StoredField Stored;
+  GrowingField Stored;
   MemoryField InMemory;
-  SurfaceRefinement Surfaces;
+  FieldRefinement Surfaces;
   bool CoarseAllowed = false;
   int RanksOnNode = 0; ///< 0: not known yet
 };

@@ -24,7 +24,7 @@
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
-#include "Ground/Base/BackgroundTask.h"
+#include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Fingerprint.h"
 #include "RangedArray.h"
 #include "RectilinearGrids.h"
@@ -39,6 +39,8 @@ namespace
 {
 
 using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+constexpr const char* NotRead = "the samples cannot be read";
 
 // "300 x 200 points, full resolution"
 std::string Describe(const ImagePlan& plan, const VolumeInput& input)
@@ -129,12 +131,8 @@ struct SampledImage::Part
   vtkSmartPointer<vtkImageData> Image;
   std::vector<vtkSmartPointer<vtkDataArray>> Values; ///< of Arrays
   std::vector<std::uint8_t> IsInside;
-  std::unique_ptr<BackgroundTask> Work; ///< the last member: it uses the others
 
   void Allocate();
-  /// Fills it beside the calling thread.
-  void Begin();
-  void Stop();
   Status Fill(const Progress& progress);
   void Finish(vtkInformation* outInfo);
   /// Whether it is the part that another one is to be.
@@ -161,20 +159,6 @@ void SampledImage::Part::Allocate()
       FillWithMinimum(*this->Volume, this->TimeStep, array, component, this->Values.back());
     }
   }
-}
-
-void SampledImage::Part::Begin()
-{
-  this->Allocate();
-  this->Work = std::make_unique<BackgroundTask>("the samples cannot be read",
-    [this](const Progress& progress) { return this->Fill(progress); });
-}
-
-void SampledImage::Part::Stop()
-{
-  this->Work.reset();
-  this->Values.clear();
-  this->Image = nullptr;
 }
 
 Status SampledImage::Part::Fill(const Progress& progress)
@@ -228,6 +212,8 @@ void SampledImage::Part::Finish(vtkInformation* outInfo)
   {
     made->ShallowCopy(this->Image);
   }
+  this->Values.clear();
+  this->Image = nullptr;
 }
 
 bool SampledImage::Part::IsOf(const Part& other) const
@@ -238,8 +224,95 @@ bool SampledImage::Part::IsOf(const Part& other) const
 }
 
 //------------------------------------------------------------------------------
+/// This rank's part of an image, and of a coarse one that is there sooner, as a field of two levels.
+class SampledImage::Parts : public Field
+{
+public:
+  /// `coarse` is null if the exact image is there as soon.
+  void Ask(std::unique_ptr<Part> exact, std::unique_ptr<Part> coarse);
+  /// Nothing can be made of what is asked.
+  void Refuse(const Status& reason) { this->Refusal = reason; }
+  const Status& GetStatus() const { return this->Refusal; }
+  Part& GetPart(int level)
+  {
+    return this->Coarse && level > this->Exact->Plan.Level ? *this->Coarse : *this->Exact;
+  }
+  /// Fills the part of a level, or waits for the thread that does.
+  Status Fill(int level, const Progress& progress);
+
+  std::string GetName() const override { return this->Exact ? this->Exact->Volume->GetPath() : ""; }
+  bool IsSame() const override { return true; } // else the caller names another change
+  int FindFinestLevel(int) const override { return this->Exact ? this->Exact->Plan.Level : 0; }
+  Result<First> FindFirst(Communicator&, int finest) override
+  {
+    ISOSURFACE_RETURN_IF_ERROR(this->Refusal);
+    return First{ this->Coarse ? this->Coarse->Plan.Level : finest, true };
+  }
+  Status Prepare(Communicator&, int) override;
+  CollectiveTask* GetPrepared() override { return this->Work.get(); }
+  void DropPrepared() override;
+
+private:
+  Status Refusal;
+  std::unique_ptr<Part> Exact;
+  std::unique_ptr<Part> Coarse;
+  std::unique_ptr<CollectiveTask> Work; ///< the last member: it fills Exact, by this rank alone
+};
+
+void SampledImage::Parts::Ask(std::unique_ptr<Part> exact, std::unique_ptr<Part> coarse)
+{
+  this->Refusal = Status::Ok();
+  if (!this->Exact || !this->Exact->IsOf(*exact))
+  {
+    this->DropPrepared();
+    this->Exact = std::move(exact);
+  }
+  this->Coarse = std::move(coarse);
+}
+
+Status SampledImage::Parts::Prepare(Communicator&, int)
+{
+  return Attempt(NotRead,
+    [this]
+    {
+      this->DropPrepared();
+      this->Exact->Allocate();
+      SerialCommunicator alone;
+      this->Work = std::make_unique<CollectiveTask>(alone, NotRead,
+        [part = this->Exact.get()](Communicator&, const Progress& progress)
+        { return part->Fill(progress); });
+      return Status::Ok();
+    });
+}
+
+void SampledImage::Parts::DropPrepared()
+{
+  this->Work.reset();
+  if (this->Exact)
+  {
+    this->Exact->Values.clear();
+    this->Exact->Image = nullptr;
+  }
+}
+
+Status SampledImage::Parts::Fill(int level, const Progress& progress)
+{
+  Part& part = this->GetPart(level);
+  if (&part == this->Exact.get() && this->Work)
+  {
+    SerialCommunicator alone;
+    const std::unique_ptr<CollectiveTask> work = std::move(this->Work);
+    return work->Finish(alone, progress);
+  }
+  part.Allocate();
+  return part.Fill(progress);
+}
+
+//------------------------------------------------------------------------------
 SampledImage::SampledImage(vtkAlgorithm& filter)
   : Filter(filter)
+  , Image(std::make_unique<Parts>())
+  , Levels([] { return std::uint64_t{ 0 }; })
 {
 }
 
@@ -284,7 +357,7 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output
     {
       ISOSURFACE_ASSIGN_OR_RETURN(auto planned,
         plan(*input.GetVolume(), input.GetHandle().GetArrays(),
-          isNew ? this->CoarseAllowed : this->IsCoarse));
+          isNew ? this->CoarseAllowed : !this->Levels.IsNextFinest()));
       this->Text = Describe(planned, input);
       image = std::move(planned);
       return Status::Ok();
@@ -312,63 +385,59 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
 {
   vtkInformation* outInfo = output->GetInformationObject(0);
   vtkDataObject::GetData(outInfo)->Initialize();
-  // The reader of a file series tells filters of the first file alone, which TellImage goes by.
-  const bool isRectilinear = vtkRectilinearGrid::SafeDownCast(vtkDataObject::GetData(outInfo));
   const VolumeInput input(inInfo);
   ControllerCommunicator ranks(controller);
-  const std::uint64_t source = SumSource(input, properties);
-  // Whether it is another image than the last one, and must be exact; on any rank.
-  std::vector<std::uint64_t> decisive = { source != this->Source ? 1U : 0U,
-    this->CoarseAllowed ? 0U : 1U };
-  ranks.ReduceMaximum(decisive);
-  if (decisive[0] != 0)
-  {
-    this->Next.reset();
-    this->IsCoarse = decisive[1] == 0;
-  }
-  this->Source = source;
+  this->Source = SumSource(input, properties);
   this->IsOnlyTold = false;
-  const Status status = ReadVolume(this->Filter, ranks, input, properties,
-    [&](int threads) -> Status
-    {
-      const BlockedVolume& volume = *input.GetVolume();
-      const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
-      ISOSURFACE_ASSIGN_OR_RETURN(const auto planned, plan(volume, arrays, this->IsCoarse));
-      if (planned.Lines.has_value() != isRectilinear)
-      {
-        return Status(StatusCode::Unsupported,
-          volume.GetPath() + ": its grid is " + (isRectilinear ? "regular" : "rectilinear") +
-            ", that of the file before in this series is not; open it by itself");
-      }
-      // Coarse images may have been allowed, or not any longer, since the pipeline was told.
-      TellGrid(planned.Grid, outInfo);
-      this->Text = Describe(planned, input);
-      this->ShownLevel = planned.Level;
-      ISOSURFACE_RETURN_IF_ERROR(
-        this->FillOutput(input, FindPart(planned, request, output), outInfo, threads, planned));
-      vtkDataObject::GetData(outInfo)->GetFieldData()->PassData(
-        vtkDataObject::GetData(inInfo)->GetFieldData());
-      if (!this->IsCoarse)
-      {
-        return Status::Ok();
-      }
-      ISOSURFACE_ASSIGN_OR_RETURN(const auto exact, plan(volume, arrays, false));
-      auto next = this->DescribePart(input, FindPart(exact, request, output), threads, exact);
-      if (!IsSame(exact, planned) && !(this->Next && this->Next->IsOf(*next)))
-      {
-        this->Next = std::move(next);
-      }
-      return Status::Ok();
-    });
+  int level = 0;
+  Status status = AgreeOnVolume(this->Filter, ranks, input, properties);
+  if (status.IsOk())
+  {
+    const int threads = ranks.ChooseThreads(0);
+    const auto describe = [&](const ImagePlan& image)
+    { return this->DescribePart(input, FindPart(image, request, output), threads, image); };
+    this->Ask(input, plan, describe);
+    RefinementRequest wanted;
+    wanted.MayBeCoarse = this->CoarseAllowed;
+    wanted.Change = this->Source;
+    const auto choice = this->Levels.Begin(ranks, *this->Image, wanted);
+    status = choice.GetStatus();
+    level = choice.IsOk() ? choice->Level : 0;
+  }
+  if (status.IsOk())
+  {
+    status = ReadVolume(
+      this->Filter, ranks, input, [&] { return this->FillOutput(input, level, inInfo, outInfo); });
+  }
+  this->Levels.SetShown(status.IsOk(), level, 0);
+  this->Final = !status.IsOk() || this->Levels.IsFinal();
   if (!status.IsOk())
   {
-    this->Next.reset();
-    this->Source = 0;
+    this->Levels.KeepChange(this->Source = 0); // begins anew
     this->Text.clear();
     vtkDataObject::GetData(outInfo)->Initialize();
   }
   result = EndExecution(&this->Filter, output, status);
   return status.IsOk();
+}
+
+void SampledImage::Ask(const VolumeInput& input, const Planner& plan,
+  const std::function<PartPointer(const ImagePlan&)>& describe)
+{
+  const auto ask = [&]() -> Status
+  {
+    const BlockedVolume& volume = *input.GetVolume();
+    const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto exact, plan(volume, arrays, false));
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto coarse, plan(volume, arrays, true));
+    this->Image->Ask(describe(exact), IsSame(exact, coarse) ? nullptr : describe(coarse));
+    return Status::Ok();
+  };
+  const Status asked = Attempt(NotRead, ask);
+  if (!asked.IsOk())
+  {
+    this->Image->Refuse(asked);
+  }
 }
 
 std::uint64_t SampledImage::SumSource(const VolumeInput& input, std::uint64_t properties)
@@ -420,35 +489,27 @@ void SampledImage::KeepSamples(const std::shared_ptr<const LevelSamples>& sample
   this->Samples[samples->GetLevel()] = samples;
 }
 
-Status SampledImage::FillOutput(const VolumeInput& input, const VertexBox& box,
-  vtkInformation* outInfo, int threads, const ImagePlan& plan)
+Status SampledImage::FillOutput(
+  const VolumeInput& input, int level, vtkInformation* inInfo, vtkInformation* outInfo)
 {
-  std::unique_ptr<Part> part = this->DescribePart(input, box, threads, plan);
-  if (!this->IsCoarse && this->Next && this->Next->Work && this->Next->IsOf(*part))
+  ISOSURFACE_RETURN_IF_ERROR(this->Image->GetStatus());
+  Part& part = this->Image->GetPart(level);
+  vtkDataObject* made = vtkDataObject::GetData(outInfo);
+  // The reader of a file series tells filters of the first file alone, which TellImage goes by.
+  const bool isRectilinear = vtkRectilinearGrid::SafeDownCast(made) != nullptr;
+  if (part.Plan.Lines.has_value() != isRectilinear)
   {
-    part = std::move(this->Next);
-    constexpr double pollSeconds = 0.02;
-    const Progress progress = MakeProgress(this->Filter);
-    while (!part->Work->Wait(pollSeconds))
-    {
-      if (!progress(part->Work->GetProgress()))
-      {
-        return { StatusCode::Aborted, "Reading was aborted." };
-      }
-    }
-    ISOSURFACE_RETURN_IF_ERROR(part->Work->GetStatus());
+    return { StatusCode::Unsupported,
+      part.Volume->GetPath() + ": its grid is " + (isRectilinear ? "regular" : "rectilinear") +
+        ", that of the file before in this series is not; open it by itself" };
   }
-  else
-  {
-    part->Allocate();
-    ISOSURFACE_RETURN_IF_ERROR(part->Fill(MakeProgress(this->Filter)));
-  }
-  if (!this->IsCoarse)
-  {
-    this->Next.reset();
-  }
-  this->KeepSamples(part->Samples);
-  part->Finish(outInfo);
+  // Coarse images may have been allowed, or not any longer, since the pipeline was told.
+  TellGrid(part.Plan.Grid, outInfo);
+  this->Text = Describe(part.Plan, input);
+  ISOSURFACE_RETURN_IF_ERROR(this->Image->Fill(level, MakeProgress(this->Filter)));
+  this->KeepSamples(part.Samples);
+  part.Finish(outInfo);
+  made->GetFieldData()->PassData(vtkDataObject::GetData(inInfo)->GetFieldData());
   return Status::Ok();
 }
 
@@ -457,47 +518,18 @@ Status SampledImage::FillOutput(const VolumeInput& input, const VertexBox& box,
 
 bool SampledImage::Refine()
 {
-  this->IsCoarse = false;
-  return !this->IsFinal();
+  return this->Levels.Refine(this->Source);
 }
 
 void SampledImage::DropRefinement()
 {
-  if (this->Next)
-  {
-    this->Next->Stop();
-  }
+  this->Levels.DropPrepared();
 }
 
 Refinement SampledImage::PrepareRefinement(vtkMultiProcessController* controller, double seconds)
 {
   ControllerCommunicator ranks(controller);
-  Part* const next = this->Next.get();
-  const auto begin = [&]
-  {
-    if (!next->Work)
-    {
-      next->Begin();
-    }
-    return Status::Ok();
-  };
-  // If it cannot begin here, the execution after Refine tells why.
-  const bool hasBegun = next && Attempt("the samples cannot be read", begin).IsOk();
-  std::vector<std::uint64_t> all = { next ? 1U : 0U,
-    !hasBegun || next->Work->Wait(seconds) ? 1U : 0U,
-    static_cast<std::uint64_t>(hasBegun ? next->Work->GetProgress() * Millionths : 0) };
-  ranks.ReduceMinimum(all);
-  Refinement refinement;
-  if (all[0] == 0)
-  {
-    this->DropRefinement();
-    return refinement;
-  }
-  refinement.Stage = all[1] != 0 ? RefinementStage::Ready : RefinementStage::Working;
-  refinement.ShownLevel = this->ShownLevel;
-  refinement.NextLevel = refinement.FinalLevel = next->Plan.Level;
-  refinement.Share = static_cast<double>(all[2]) / Millionths;
-  return refinement;
+  return this->Levels.Prepare(ranks, seconds, this->Source);
 }
 
 } // namespace isosurface

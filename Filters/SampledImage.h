@@ -2,7 +2,7 @@
 #ifndef isosurface_SampledImage_h
 #define isosurface_SampledImage_h
 
-#include "Ranks/Query/Refinement.h"
+#include "Ranks/Query/FieldRefinement.h"
 
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
@@ -89,7 +89,7 @@ public:
   /// again: what asks for the image knows its extent from there.
   void AllowCoarse(bool isAllowed);
   /// Whether the last image was exact, or failed.
-  bool IsFinal() const { return !this->Next; }
+  bool IsFinal() const { return this->Final; }
   /// Begins to make the exact image, or waits for it, but not longer than this. Collective.
   Refinement PrepareRefinement(vtkMultiProcessController* controller, double seconds);
   /// Stops that.
@@ -99,13 +99,18 @@ public:
 
 private:
   struct Part;
+  using PartPointer = std::unique_ptr<Part>;
+  class Parts;
 
   /// What an image is made of; the filter's properties aside, the same on all ranks.
   static std::uint64_t SumSource(const VolumeInput& input, std::uint64_t properties);
-  Status FillOutput(const VolumeInput& input, const VertexBox& box, vtkInformation* outInfo,
-    int threads, const ImagePlan& plan);
+  /// Plans the exact image and the coarse one.
+  void Ask(const VolumeInput& input, const Planner& plan,
+    const std::function<PartPointer(const ImagePlan&)>& describe);
+  Status FillOutput(
+    const VolumeInput& input, int level, vtkInformation* inInfo, vtkInformation* outInfo);
   /// A part to fill, with the samples of its level, if they are known.
-  std::unique_ptr<Part> DescribePart(
+  PartPointer DescribePart(
     const VolumeInput& input, const VertexBox& box, int threads, const ImagePlan& plan) const;
   /// Keeps the samples of a level for the next time.
   void KeepSamples(const std::shared_ptr<const LevelSamples>& samples);
@@ -116,9 +121,9 @@ private:
   bool CoarseAllowed = false;
   bool IsOnlyTold = false;  ///< whether the pipeline was told of an image that is not made yet
   std::uint64_t Source = 0; ///< of the last image
-  bool IsCoarse = false;    ///< whether images of this source may be
-  int ShownLevel = 0;
-  std::unique_ptr<Part> Next; ///< that is to follow a coarse image; perhaps a thread fills it
+  bool Final = true;
+  std::unique_ptr<Parts> Image;
+  FieldRefinement Levels;
 };
 
 } // namespace isosurface

@@ -142,8 +142,8 @@ void AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* out
   }
 }
 
-Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& input,
-  std::uint64_t properties, const std::function<Status(int threads)>& read)
+Status AgreeOnVolume(
+  vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& input, std::uint64_t properties)
 {
   if (input)
   {
@@ -163,14 +163,18 @@ Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& 
   }
   std::vector<CommonValue> common = input.MakeCommonValues();
   common.push_back({ properties, "the properties of the filter are not the same on all ranks" });
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(opened, common));
-  const int threads = ranks.ChooseThreads(0);
+  return ranks.Agree(opened, common);
+}
+
+Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& input,
+  const std::function<Status()>& read)
+{
   BlockedVolume& volume = *input.GetVolume();
   Status status = RunWithinMemory(volume.GetPath(), BlockedVolume::NoMemoryReason,
     [&]
     {
       const Status unchanged = volume.CheckSource(input.GetTimeStep());
-      return unchanged.IsOk() ? read(threads) : unchanged;
+      return unchanged.IsOk() ? read() : unchanged;
     });
   if (IsAborted(filter))
   {

@@ -60,15 +60,18 @@ private:
 /// output is not needed.
 void AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* outInfo);
 
+/// The first step of RequestData of such a filter: whether all ranks have the same volume and the same
+/// properties, of which `properties` is a checksum. Collective. Errors: no blocked volume is at the input.
+Status AgreeOnVolume(
+  vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& input, std::uint64_t properties);
+
 /**
- * The frame of RequestData of such a filter. Calls `read` with this rank's threads once all ranks
- * have the same volume and the same properties, of which `properties` is a checksum. Then tells the
- * ranks which stores were lost, and warns of it. Errors: no blocked volume is at the input; those of
+ * Calls `read` after that. Then tells the ranks which stores were lost, and warns of it. Errors: those of
  * `read` on any rank, OutOfMemory among them; Aborted. They are the same on all ranks, and are not
  * reported yet. Collective.
  */
 Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& input,
-  std::uint64_t properties, const std::function<Status(int threads)>& read);
+  const std::function<Status()>& read);
 
 } // namespace isosurface
 

@@ -353,8 +353,7 @@ int vtkStabbingContour::RequestData(
     status = Status(StatusCode::Aborted, "The contour was aborted.");
   }
   status = ranks.Agree(status);
-  this->Final = !status.IsOk() || made.Final;
-  this->Work->SetShown(status.IsOk(), made.ExtractedTriangles);
+  this->Final = this->Work->SetShown(status.IsOk(), made);
   const double* isovalues = this->ContourValues->GetValues();
   this->IslandSummary =
     isosurface::SummariseIslands(status.IsOk() && made.Islands ? &*made.Islands : nullptr,

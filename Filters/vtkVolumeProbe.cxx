@@ -270,15 +270,18 @@ int vtkVolumeProbe::RequestData(
   isosurface::Fingerprint properties;
   properties.AddNumber(static_cast<std::uint64_t>(this->Interpolation));
   std::vector<std::uint64_t> counts(2, 0); // points, and those inside
-  const Status status = isosurface::ReadVolume(*this, ranks, volume, properties.Get(),
-    [&](int threads) -> Status
-    {
-      CopyPoints(vtkDataObject::GetData(input[1], 0), made);
-      Steps steps = { *this, volume, threads };
-      ISOSURFACE_RETURN_IF_ERROR(steps.Probe(vtkCompositeDataSet::GetDataSets<vtkDataSet>(made)));
-      counts = { steps.Points, steps.PointsInside };
-      return Status::Ok();
-    });
+  Status status = isosurface::AgreeOnVolume(*this, ranks, volume, properties.Get());
+  if (status.IsOk())
+  {
+    Steps steps = { *this, volume, ranks.ChooseThreads(0) };
+    status = isosurface::ReadVolume(*this, ranks, volume,
+      [&]
+      {
+        CopyPoints(vtkDataObject::GetData(input[1], 0), made);
+        return steps.Probe(vtkCompositeDataSet::GetDataSets<vtkDataSet>(made));
+      });
+    counts = { steps.Points, steps.PointsInside };
+  }
   if (status.IsOk())
   {
     ranks.ReduceSum(counts);

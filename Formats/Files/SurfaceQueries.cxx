@@ -4,7 +4,7 @@
 #include "Ground/Base/OutputCheck.h"
 #include "Ranks/Query/ContourBlocks.h"
 #include "Ranks/Query/ContourIslands.h"
-#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Query/StoredField.h"
 #include "Ranks/Sharing/QueryPlan.h"
 #include "Ranks/Sharing/StoreRecovery.h"
 
@@ -127,8 +127,9 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
     {
       return Attempt(file.GetPath(), [&] { return ExtractLevel(task, samples.Level, outcome); });
     }
-    VolumeContour contour;
-    return contour.ExtractWithinBudget(ranks, request.Budget, task, samples.Level, outcome);
+    StoredField field;
+    field.Ask(task, request.Budget);
+    return field.Extract(ranks, samples.Level, outcome);
   };
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(RunWithReplicas(
     ranks, [&] { return task.Volume.get(); }, warning, extract)));

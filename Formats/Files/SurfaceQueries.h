@@ -48,7 +48,7 @@ struct SurfaceRequest
 };
 
 /// The isosurfaces; of several ranks this one's part. `warning` names lost stores, whose replicas were read.
-/// `level` becomes that of the surface. Collective with ranks. Cost and errors: VolumeContour, ChooseIslands,
+/// `level` becomes that of the surface. Collective with ranks. Cost and errors: StoredField, ChooseIslands,
 /// and GetBlocks of the file.
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning,

@@ -5,7 +5,6 @@
 #include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
-#include "Ranks/Query/LevelExtraction.h"
 #include "Ranks/Query/Refinement.h"
 
 #include <cstddef>
@@ -15,17 +14,22 @@
 namespace isosurface
 {
 
+/// The maximum number of triangles of the first surface: two cores without a graphics card extract
+/// and draw this number in about a tenth of a second.
+constexpr double FirstSurfaceTriangles = 100'000;
+
 /**
- * What isosurfaces are extracted of, and what is asked of it: isovalues, region, the share of this rank.
- * A blocked volume (StoredField), or images in memory (MemoryField). Level 0 is the finest. Each has a
- * function Ask, which is called before SurfaceRefinement::Begin.
+ * What is made of samples from coarse to fine (FieldRefinement), and what is asked of it: an isosurface of
+ * a blocked volume (StoredField) or of images in memory (MemoryField), a slice. Level 0 is the finest.
+ * Each has a function Ask, which is called before FieldRefinement::Begin, and one that gives the result at
+ * a level: the prepared one, if it is that.
  *
  * All functions are for one thread. Those with `ranks` are collective.
  */
 class Field
 {
 public:
-  /// Where the surfaces after a change begin.
+  /// What the results after a change begin with.
   struct First
   {
     int Level = 0;
@@ -38,32 +42,29 @@ public:
   virtual std::string GetName() const = 0;
   /// Whether this rank's samples are those that were asked for the last time but one.
   virtual bool IsSame() const = 0;
-  /// Whether surfaces can be extracted after the execution that has asked.
-  virtual bool IsThere() const = 0;
-  /// The finest level that is extracted if `level` is asked for.
+  /// Whether finer results can be made after the execution that has asked.
+  virtual bool IsThere() const { return true; }
+  /// The finest level that is made if `level` is asked for.
   virtual int FindFinestLevel(int level) const = 0;
-  /// The first surface of a change, if `finest` is the last one.
+  /// The first result of a change, if `finest` is the last one.
   virtual Result<First> FindFirst(Communicator& ranks, int finest) = 0;
   /// The level that follows `level`, which is coarser than `finest`.
-  virtual int GetNextLevel(int level, int finest) const = 0;
+  virtual int GetNextLevel(int, int finest) const { return finest; }
   /// That of a level, or of the finest coarser one that is expected to keep the budget.
   virtual Result<int> FitLevel(Communicator&, int level) { return level; }
   /// Of all ranks.
-  virtual Result<double> EstimateTriangles(int level) = 0;
+  virtual Result<double> EstimateTriangles(int) { return 0; }
   /// The memory in bytes that a rank needs for its part of `triangles` triangles; 0 if that is not
   /// known.
-  virtual double EstimateBytes(double triangles) const = 0;
+  virtual double EstimateBytes(double) const { return 0; }
 
-  /// This rank's part of the surface at a level, the prepared one if it is that. Cost.Level is coarser
-  /// if the level does not keep the budget. Errors: this rank's, or those of all ranks.
-  virtual Status Extract(Communicator& ranks, int level, ExtractionOutcome& outcome) = 0;
-  /// Begins to extract the surface at a level beside the calling thread, in place of an earlier one. The
+  /// Begins to make the result at a level beside the calling thread, in place of an earlier one. The
   /// error is this rank's.
   virtual Status Prepare(Communicator& ranks, int level) = 0;
   /// The work of that; null if there is none.
   virtual CollectiveTask* GetPrepared() = 0;
   virtual void DropPrepared() = 0;
-  /// Forgets the surfaces of an earlier change.
+  /// Forgets the results of an earlier change.
   virtual void Forget() { this->DropPrepared(); }
 
   ///@{

@@ -7,11 +7,11 @@
 #include "Ground/Base/Status.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Storage/Store/BlockedVolume.h"
-#include "Storage/Store/FinishedLayers.h"
 #include "Storage/Store/QueryStatistics.h"
 #include "Surface/Contour/Surface.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -41,11 +41,6 @@ struct ExtractionTask
   /// What is extracted is the same in all, but which rank has which block may differ from call to
   /// call.
   Communicator* Sharing = nullptr;
-  /// If given, the volume is a sample of one that is being written: the first FinishedSlices slices of
-  /// cells are extracted exactly, and of the sample only the cells behind them. Ranks do not share such
-  /// blocks.
-  std::shared_ptr<FinishedLayers> Finished = nullptr;
-  std::int64_t FinishedSlices = 0;
 };
 
 struct ExtractionOutcome
@@ -59,6 +54,11 @@ struct ExtractionOutcome
 /// not. Errors: those of reading the volume; Aborted when the progress says so. They are this
 /// rank's alone: the other ranks extract the blocks that a failed rank has left.
 Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& outcome);
+
+/// The same by `extract`, which fills in the surface and adds to the reading: what is common to all
+/// extractions at a level. A lack of memory is an error of the volume.
+Status RunExtraction(const ExtractionTask& task, int level, ExtractionOutcome& outcome,
+  const std::function<Status()>& extract);
 
 } // namespace isosurface
 

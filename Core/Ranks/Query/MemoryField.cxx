@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ranks/Query/MemoryField.h"
 
-#include "Ranks/Query/ProgressiveLevels.h"
-
 #include <cmath>
 #include <utility>
 #include <vector>

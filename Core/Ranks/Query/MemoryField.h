@@ -23,6 +23,8 @@ public:
   void Ask(MemoryQuery query, Progress advance);
   /// What the surface at a level is extracted of.
   MemoryQuery MakeQuery(int level) const;
+  /// This rank's part of the surface at a level. Collective. Errors: this rank's, or those of all ranks.
+  Status Extract(Communicator& ranks, int level, ExtractionOutcome& outcome);
   /// Lets the samples go: no finer surface follows.
   void Release() { this->Asked.Samples = {}; }
   /// Forgets the prepared surface, if its thread still reads the samples.
@@ -30,13 +32,9 @@ public:
 
   std::string GetName() const override { return "the images of the input"; }
   bool IsSame() const override { return this->Same; }
-  bool IsThere() const override { return true; }
   int FindFinestLevel(int) const override { return 0; }
   Result<First> FindFirst(Communicator& ranks, int finest) override;
-  int GetNextLevel(int, int finest) const override { return finest; }
   Result<double> EstimateTriangles(int level) override;
-  double EstimateBytes(double) const override { return 0; }
-  Status Extract(Communicator& ranks, int level, ExtractionOutcome& outcome) override;
   Status Prepare(Communicator& ranks, int level) override;
   CollectiveTask* GetPrepared() override
   {

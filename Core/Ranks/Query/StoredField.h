@@ -2,93 +2,102 @@
 #ifndef isosurface_StoredField_h
 #define isosurface_StoredField_h
 
+#include "Ranks/Query/BackgroundExtraction.h"
+#include "Ranks/Query/ExtractionRate.h"
 #include "Ranks/Query/Field.h"
-#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Query/LevelChoice.h"
+#include "Ranks/Query/LevelExtraction.h"
 
-#include <chrono>
+#include <array>
+#include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace isosurface
 {
 
-/// A blocked volume, whose spectra tell what each level costs; or the sample of one that is being
-/// written, with its exact layers (FinishedLayers).
+/// The maximum number of triangles of the first surface, relative to the final one.
+constexpr double FirstSurfaceShare = 1.0 / 20;
+
+/// Up to this number of triangles, no intermediate level is shown between the first surface and the
+/// final one. The samples of an index in place may have to be decompressed, which takes longer.
+constexpr double DirectSurfaceTriangles = 20'000'000;
+constexpr double DirectSurfaceTrianglesInPlace = 10'000'000;
+
+/// A blocked volume, whose spectra tell what each level costs. It learns this machine's speed from every
+/// extraction. One surface may be prepared beside the calling thread, by this rank alone.
 class StoredField : public Field
 {
 public:
-  /// Begins an execution. Of the task, the volume is not kept alive. `sampled`: the path of the volume
-  /// that it is a sample of, or empty.
-  void Ask(const ExtractionTask& task, const ExtractionBudget& budget, const std::string& sampled);
-  const ExtractionRate& GetRate() const { return this->Contour.GetRate(); }
+  /// Begins an execution. Of the task, the volume is not kept alive.
+  void Ask(const ExtractionTask& task, const ExtractionBudget& budget);
+  const ExtractionRate& GetRate() const { return this->Rate; }
+
+  /**
+   * This rank's part of the surface at a level, the prepared one if it is that. With a budget, at the
+   * finest level, `level` or coarser, that is expected to keep it; one that turns out to have more
+   * triangles is given up for the next. Collective with a budget, or if the task shares blocks. Errors:
+   * those of reading the volume; Aborted when the progress says so.
+   */
+  virtual Status Extract(Communicator& ranks, int level, ExtractionOutcome& outcome);
 
   std::string GetName() const override { return this->GetVolume()->GetPath(); }
   bool IsSame() const override { return this->Same; }
   bool IsThere() const override { return !this->Volume.expired(); }
   int FindFinestLevel(int level) const override;
+  /// The finest one coarser than `finest` with at most FirstSurfaceShare of the triangles at `finest`, and
+  /// at most FirstSurfaceTriangles. If no level is as coarse, or the surface is estimated to vanish there,
+  /// the coarsest level with triangles. Cost: the spectra of the volume, which it keeps.
   Result<First> FindFirst(Communicator& ranks, int finest) override;
+  /// The finest level, but not finer than `finest`, that is stored in the same blocks as the next finer
+  /// one. Coarser levels there would read as many blocks for a fraction of the triangles.
   int GetNextLevel(int level, int finest) const override;
   Result<int> FitLevel(Communicator& ranks, int level) override;
   Result<double> EstimateTriangles(int level) override;
   double EstimateBytes(double triangles) const override;
-  Status Extract(Communicator& ranks, int level, ExtractionOutcome& outcome) override;
   Status Prepare(Communicator& ranks, int level) override;
-  CollectiveTask* GetPrepared() override { return this->Contour.GetPrepared(); }
-  void DropPrepared() override { this->Contour.DropPrepared(); }
-  void Forget() override;
+  CollectiveTask* GetPrepared() override;
+  void DropPrepared() override;
 
-  bool IsOfLastSample() const override { return this->OfLastSample; }
-  bool BeginSample(bool isWanted) override;
-  bool Grows() const override { return this->Layers && !this->Layers->HasFailed; }
-  Refinement Grow(Communicator& ranks, std::size_t triangles, std::uint64_t freeMemory) override;
-  void EndGrowth(bool hasFailed) override;
-
-private:
-  using Clock = std::chrono::steady_clock;
-
-  /// The exact layers of a sample.
-  struct Growth
-  {
-    explicit Growth(std::shared_ptr<FinishedLayers> finished)
-      : Finished(std::move(finished))
-    {
-    }
-    ~Growth() { this->Show(false); }
-    Growth(const Growth&) = delete;
-    Growth& operator=(const Growth&) = delete;
-    /// Tells the layers' writer whether they are shown.
-    void Show(bool shows);
-
-    const std::shared_ptr<FinishedLayers> Finished;
-    bool AreShown = false;
-    std::int64_t Slices = 0;     ///< of cells that the surface has exactly
-    std::int64_t NextSlices = 0; ///< those of the prepared one
-    Clock::time_point Begin;     ///< when extracting it began
-    Clock::time_point Due;       ///< before which the next one does not begin
-    bool HasGrown = false;       ///< whether Due is to be found
-    bool HasFailed = false;      ///< on any rank
-  };
+protected:
+  /// An extraction at a level, by this rank. It keeps what it uses, so that a thread can.
+  using Extraction =
+    std::function<Status(const ExtractionTask& task, int level, ExtractionOutcome& outcome)>;
 
   /// Null when the execution has ended, and nobody else has it.
   std::shared_ptr<BlockedVolume> GetVolume() const { return this->Volume.lock(); }
-  /// Makes the extraction of the surface with `slices` of exact layers.
-  ExtractionTask MakeTask(std::int64_t slices) const;
-  Status PrepareTask(const ExtractionTask& task, int level);
-  /// How many slices of exact layers the surface is to have, and its triangles. Collective.
-  std::int64_t ChooseSlices(Communicator& ranks, std::int64_t finished, std::size_t triangles,
-    Refinement& refinement) const;
-  /// Whether `slices` of exact layers are due, and there is memory for them. Collective.
-  bool IsGrowthDue(
-    Communicator& ranks, std::int64_t slices, std::uint64_t freeMemory, Refinement& refinement);
+  /// Without the volume.
+  const ExtractionTask& GetTask() const { return this->Task; }
+  bool HasBudget() const { return this->Budget.IsLimited(); }
+  /// The surface that was prepared as `variant` of a level, or else what `extract` gives.
+  Status Take(
+    int level, std::int64_t variant, const Extraction& extract, ExtractionOutcome& outcome);
+  /// Begins to extract a variant beside the calling thread, in place of an earlier one.
+  Status PrepareVariant(int level, std::int64_t variant, Extraction extract);
 
-  VolumeContour Contour;
+private:
+  /// What a prepared surface and the task have in common: level, share, variant, and epoch of the volume,
+  /// since other shares belong to another one.
+  using Key = std::array<std::int64_t, 5>;
+
+  ExtractionTask MakeTask() const;
+  static Key MakeKey(const ExtractionTask& task, int level, std::int64_t variant);
+  Result<LevelChoice> ChooseLevel(
+    Communicator& ranks, int finest, const ExtractionBudget& budget, QueryStatistics& statistics);
+  Status ExtractAtLevel(const LevelChoice& choice, ExtractionOutcome& outcome);
+  /// Learns the speed of this machine from a coarse level, which costs little. Collective.
+  Status Probe(Communicator& ranks, int finest, QueryStatistics& reading);
+  Status ExtractWithinBudget(Communicator& ranks, int finest, ExtractionOutcome& outcome);
+
   std::weak_ptr<BlockedVolume> Volume;
   ExtractionTask Task; ///< without the volume
   ExtractionBudget Budget;
-  std::string AskedSampled; ///< what was asked
-  std::string Sampled;      ///< the volume until whose finer surface this one may stay; or empty
   bool Same = false;
-  bool OfLastSample = false;
-  std::unique_ptr<Growth> Layers; ///< of a sample whose surface may become exact
+  ExtractionRate Rate;
+  bool HasProbed = false; ///< whether a coarse level has been extracted to learn the speed
+  std::unique_ptr<BackgroundExtraction> Prepared;
+  Key PreparedKey{};
+  std::unique_ptr<BackgroundExtraction> Dropped; ///< so that nobody waits for its end
 };
 
 } // namespace isosurface

@@ -7,7 +7,7 @@
 #include "Fixtures/VolumeOnDisk.h"
 #include "Fixtures/ZarrOnDisk.h"
 #include "Formats/Opener/ForeignVolume.h"
-#include "Ranks/Query/ProgressiveLevels.h"
+#include "Ranks/Query/StoredField.h"
 #include "Storage/Sampling/StoredBoxSource.h"
 #include "Storage/Store/StoredBlockSource.h"
 #include "Storage/Verification/VolumeRepair.h"
@@ -212,15 +212,19 @@ TEST(VolumeInPlace, ALargeSurfaceFollowsACoarserOneSoonerThanThatOfACopyDoes)
   const auto inPlace = OpenInPlace(made.Disk);
   const auto copied = OpenInPlace(copy);
   const double each = *copied->EstimateTriangles(0, 0, Isovalue, 0);
-  const auto isDirect = [&](BlockedVolume& volume, double triangles)
+  const auto isDirect = [&](const std::shared_ptr<BlockedVolume>& volume, double triangles)
   {
-    SurfaceQuery query;
-    query.Isovalues.assign(static_cast<std::size_t>(triangles / each), Isovalue);
-    return Require(IsDirectSurface(volume, query, 0));
+    ExtractionTask task;
+    task.Volume = volume;
+    task.Query.Isovalues.assign(static_cast<std::size_t>(triangles / each), Isovalue);
+    StoredField field;
+    field.Ask(task, {});
+    SerialCommunicator alone;
+    return Require(field.FindFirst(alone, 0)).IsDirect;
   };
-  EXPECT_TRUE(isDirect(*inPlace, 0.9 * DirectSurfaceTrianglesInPlace));
-  EXPECT_FALSE(isDirect(*inPlace, 1.1 * DirectSurfaceTrianglesInPlace));
-  EXPECT_TRUE(isDirect(*copied, 1.1 * DirectSurfaceTrianglesInPlace));
+  EXPECT_TRUE(isDirect(inPlace, 0.9 * DirectSurfaceTrianglesInPlace));
+  EXPECT_FALSE(isDirect(inPlace, 1.1 * DirectSurfaceTrianglesInPlace));
+  EXPECT_TRUE(isDirect(copied, 1.1 * DirectSurfaceTrianglesInPlace));
 }
 
 TEST(VolumeInPlace, ChunksThatBlocksShareAreDecodedOnce)

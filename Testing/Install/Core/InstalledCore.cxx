@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Uses the installed Core: a volume is written, opened and contoured, without VTK.
 #include "Ground/Base/Communicator.h"
-#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Query/LevelExtraction.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
@@ -64,9 +64,8 @@ int main()
   query.Isovalues = { 0.5 };
   ContourRequest request;
   request.Isovalues = query.Isovalues;
-  VolumeContour contour;
   ExtractionOutcome outcome;
-  if (!Succeeds(contour.ExtractAtLevel({ *volume, query, request, 1, {} }, {}, outcome)))
+  if (!Succeeds(ExtractLevel({ *volume, query, request, 1, {} }, 0, outcome)))
   {
     return 1;
   }

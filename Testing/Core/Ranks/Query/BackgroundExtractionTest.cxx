@@ -2,7 +2,7 @@
 #include "Ranks/Query/BackgroundExtraction.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Query/StoredField.h"
 
 #include <chrono>
 #include <thread>
@@ -140,26 +140,27 @@ TEST_F(BackgroundExtractionTest, TellsOfErrorsWhenItIsTaken)
 TEST_F(BackgroundExtractionTest, IsTakenOnlyForItsLevelAndShare)
 {
   const auto volume = OpenVolume(this->Disk);
-  VolumeContour contour;
-  LevelChoice choice;
-  const auto extract = [&](const ExtractionTask& task)
+  SerialCommunicator alone;
+  StoredField field;
+  const auto extract = [&](const ExtractionTask& task, int level)
   {
+    field.Ask(task, {});
     ExtractionOutcome outcome;
-    EXPECT_TRUE(contour.ExtractAtLevel(task, choice, outcome).IsOk());
+    EXPECT_TRUE(field.Extract(alone, level, outcome).IsOk());
     return std::move(outcome.Extracted);
   };
   const ExtractionTask whole = MakeTask(volume);
-  contour.Prepare(whole, 1);
-  ASSERT_NE(contour.GetPrepared(), nullptr);
-  ExpectSameBits(extract(whole), this->ExtractAtOnce(0));
-  EXPECT_NE(contour.GetPrepared(), nullptr) << "it is of another level";
+  field.Ask(whole, {});
+  EXPECT_TRUE(field.Prepare(alone, 1).IsOk());
+  ASSERT_NE(field.GetPrepared(), nullptr);
+  ExpectSameBits(extract(whole, 0), this->ExtractAtOnce(0));
+  EXPECT_NE(field.GetPrepared(), nullptr) << "it is of another level";
 
-  choice.Level = 1;
   ExtractionTask half = whole;
   half.Query.Ranks = 2;
-  const Surface part = extract(half);
-  EXPECT_NE(contour.GetPrepared(), nullptr) << "it is of another share";
-  ExpectSameBits(extract(whole), this->ExtractAtOnce(1));
-  EXPECT_EQ(contour.GetPrepared(), nullptr) << "it was handed over";
+  const Surface part = extract(half, 1);
+  EXPECT_NE(field.GetPrepared(), nullptr) << "it is of another share";
+  ExpectSameBits(extract(whole, 1), this->ExtractAtOnce(1));
+  EXPECT_EQ(field.GetPrepared(), nullptr) << "it was handed over";
   EXPECT_LT(part.NumberOfTriangles, this->ExtractAtOnce(1).NumberOfTriangles);
 }

@@ -9,8 +9,8 @@
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ranks/Islands/IslandChoice.h"
+#include "Ranks/Query/FieldRefinement.h"
 #include "Ranks/Query/StoredField.h"
-#include "Ranks/Query/SurfaceRefinement.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "Storage/Spectrum/GridSpectrum.h"
 #include "Storage/Store/StoredBlockSource.h"
@@ -81,14 +81,14 @@ struct RankDeeds
     ContourRequest request;
     request.Isovalues = query.Isovalues;
     StoredField field;
-    SurfaceRefinement surfaces([] { return std::uint64_t{ 0 }; });
+    FieldRefinement surfaces([] { return std::uint64_t{ 0 }; });
     RefinementRequest wanted;
     wanted.IsProgressive = true;
     wanted.Change = 1;
-    field.Ask({ volume, query, request, 1, {} }, { 100, 1000000 }, "");
-    ISOSURFACE_RETURN_IF_ERROR(surfaces.Begin(ranks, field, wanted).GetStatus());
+    field.Ask({ volume, query, request, 1, {} }, { 100, 1000000 });
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto choice, surfaces.Begin(ranks, field, wanted));
     ExtractionOutcome outcome;
-    return surfaces.Extract(ranks, outcome);
+    return field.Extract(ranks, choice.Level, outcome);
   }
 
   static Status Distribute(Communicator& ranks, FileSystem& disk)

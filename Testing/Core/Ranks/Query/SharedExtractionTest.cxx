@@ -5,7 +5,7 @@
 #include "Fixtures/LongTests.h"
 #include "Fixtures/PlainContour.h"
 #include "Fixtures/VolumeOnDisk.h"
-#include "Ranks/Query/VolumeContour.h"
+#include "Ranks/Query/LevelExtraction.h"
 
 #include <algorithm>
 #include <condition_variable>
@@ -117,12 +117,9 @@ protected:
         }
         const auto advance = [&](double fraction)
         { return !deed.Advance || deed.Advance(rank, fraction); };
-        VolumeContour contour;
         ExtractionOutcome outcome;
-        LevelChoice choice;
-        choice.Level = level;
-        result.End = contour.ExtractAtLevel(
-          { volume, query, request, threads, advance, shares ? &communicator : nullptr }, choice,
+        result.End = ExtractLevel(
+          { volume, query, request, threads, advance, shares ? &communicator : nullptr }, level,
           outcome);
         result.Plain = MakePlain(outcome.Extracted);
         result.Blocks = outcome.Cost.Reading.ActiveBlocks;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#ifndef isosurface_SurfaceRefinement_h
-#define isosurface_SurfaceRefinement_h
+#ifndef isosurface_FieldRefinement_h
+#define isosurface_FieldRefinement_h
 
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
 #include "Ranks/Query/Field.h"
-#include "Ranks/Query/LevelExtraction.h"
 #include "Ranks/Query/Refinement.h"
 
 #include <cstddef>
@@ -15,29 +14,30 @@
 namespace isosurface
 {
 
-/// Which surfaces of a field are wanted. Equal on all ranks, except for Change.
+/// Which results of a field are wanted. Level and IsProgressive are equal on all ranks.
 struct RefinementRequest
 {
   int Level = 0;              ///< the finest level
   bool IsProgressive = false; ///< a script asks for one level after the other
-  bool MayBeCoarse = false;   ///< a window refines the first surface after a change
-  bool FindsIslands = false;  ///< which a sample and its exact layers do not have in common
-  std::uint64_t Change = 0;   ///< names the caller's last change
+  bool MayBeCoarse =
+    false; ///< a window refines the first result after a change, if all ranks say so
+  bool FindsIslands = false; ///< which a sample and its exact layers do not have in common
+  std::uint64_t Change = 0;  ///< names the caller's last change
 };
 
 /**
- * Isosurfaces from coarse to fine. Begin chooses the level of the next surface, and Extract extracts it.
- * Between two surfaces, Prepare extracts the finer one beside the calling thread, and Refine makes it the
- * next one. A surface of a sample (FinishedLayers) becomes exact part by part, and stays if the first
+ * Isosurfaces, or slices, from coarse to fine. Begin chooses the level of the next one, which the caller
+ * makes. Between two of them, Prepare makes the finer one beside the calling thread, and Refine makes it
+ * the next one. A surface of a sample (GrowingField) becomes exact part by part, and stays if the first
  * surface of the volume itself has no more triangles.
  *
  * All functions are for one thread. What they return is equal on all ranks, except for statuses.
  */
-class SurfaceRefinement
+class FieldRefinement
 {
 public:
   /// `findFreeMemory`: the bytes that this rank can still have; 0 if that is not known.
-  explicit SurfaceRefinement(std::function<std::uint64_t()> findFreeMemory);
+  explicit FieldRefinement(std::function<std::uint64_t()> findFreeMemory);
 
   /// What Begin has chosen.
   struct Choice
@@ -45,6 +45,7 @@ public:
     int Level = 0;
     bool MayStay = false; ///< whether the surface may stay when the volume of the sample is there
     bool Stays = false;   ///< whether the last surface stays, so that nothing is to be extracted
+    bool IsFinal = false; ///< whether no finer level follows
   };
 
   /// Chooses the level of the next surface: the one that Refine has chosen or, if on any rank the field
@@ -52,12 +53,13 @@ public:
   /// Errors: those of the field, or that the ranks see different files. Collective: a reduction, and
   /// after a change an agreement and what Field::FindFirst needs.
   Result<Choice> Begin(Communicator& ranks, Field& field, const RefinementRequest& wanted);
-  /// This rank's part of the surface that Begin has chosen. Collective. Errors: Field::Extract.
-  Status Extract(Communicator& ranks, ExtractionOutcome& outcome);
-  /// Whether no finer surface follows.
+  /// Tells whether what Begin has chosen is shown, at which level, and the triangles of this rank's part. A
+  /// level that is coarser than the chosen one is final: what forbids this one forbids finer ones, too.
+  void SetShown(bool shown, int level, std::size_t triangles);
+  /// Whether no finer result follows.
   bool IsFinal() const { return this->Last.IsFinal; }
-  /// Tells whether the surface is shown, and the triangles of this rank's part.
-  void SetShown(bool shown, std::size_t triangles);
+  /// Whether the next result, after Refine perhaps, is at the finest level.
+  bool IsNextFinest() const { return this->Last.Level <= this->Last.Wanted.Level; }
 
   /// Makes the next surface a finer one, unless the last one is final or `change` is another one.
   bool Refine(std::uint64_t change);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Ranks/Query/SurfaceRefinement.h"
+#include "Ranks/Query/FieldRefinement.h"
 
 #include "Ranks/Query/SurfaceMemory.h"
 
@@ -10,12 +10,12 @@
 namespace isosurface
 {
 
-SurfaceRefinement::SurfaceRefinement(std::function<std::uint64_t()> findFreeMemory)
+FieldRefinement::FieldRefinement(std::function<std::uint64_t()> findFreeMemory)
   : FindFreeMemory(std::move(findFreeMemory))
 {
 }
 
-void SurfaceRefinement::Forget()
+void FieldRefinement::Forget()
 {
   if (this->Last.Of)
   {
@@ -25,7 +25,7 @@ void SurfaceRefinement::Forget()
   this->Next = {};
 }
 
-void SurfaceRefinement::DropPrepared()
+void FieldRefinement::DropPrepared()
 {
   if (this->Last.Of)
   {
@@ -36,21 +36,23 @@ void SurfaceRefinement::DropPrepared()
 //------------------------------------------------------------------------------
 // A surface
 
-Result<SurfaceRefinement::Choice> SurfaceRefinement::Begin(
+Result<FieldRefinement::Choice> FieldRefinement::Begin(
   Communicator& ranks, Field& field, const RefinementRequest& wanted)
 {
   Pass& pass = this->Last;
   const bool isOfChange = pass.Of == &field && pass.Wanted.Change == wanted.Change;
   std::vector<std::uint64_t> sums = { isOfChange && field.IsSame() ? 0U : 1U,
-    isOfChange && pass.Shown && field.IsOfLastSample() ? 1U : 0U, pass.Triangles };
+    isOfChange && pass.Shown && field.IsOfLastSample() ? 1U : 0U, pass.Triangles,
+    wanted.MayBeCoarse ? 0U : 1U };
   ranks.ReduceSum(sums);
   if (sums[0] != 0)
   {
     this->Forget();
     pass.Wanted = wanted;
     pass.Wanted.Level = field.FindFinestLevel(wanted.Level);
+    pass.Wanted.MayBeCoarse = sums[3] == 0;
     const bool mayAllStay = sums[1] == static_cast<std::uint64_t>(ranks.GetSize());
-    const Status chosen = Attempt("the isosurface cannot be extracted",
+    const Status chosen = Attempt("the first level cannot be chosen",
       [&] { return this->ChooseFirst(ranks, field, mayAllStay ? sums[2] : 0); });
     const auto level = static_cast<std::uint64_t>(pass.Level);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(chosen,
@@ -58,11 +60,11 @@ Result<SurfaceRefinement::Choice> SurfaceRefinement::Begin(
         field.GetName(), 4 * level + (pass.IsDirect ? 2 : 0) + (pass.Stays ? 1 : 0)) }));
     pass.Of = &field;
   }
-  pass.IsFinal = pass.Level <= pass.Wanted.Level;
-  return Choice{ pass.Level, pass.MayStay, pass.Stays };
+  pass.IsFinal = this->IsNextFinest();
+  return Choice{ pass.Level, pass.MayStay, pass.Stays, pass.IsFinal };
 }
 
-Status SurfaceRefinement::ChooseFirst(Communicator& ranks, Field& field, std::uint64_t shown)
+Status FieldRefinement::ChooseFirst(Communicator& ranks, Field& field, std::uint64_t shown)
 {
   Pass& pass = this->Last;
   const RefinementRequest& wanted = pass.Wanted;
@@ -79,8 +81,7 @@ Status SurfaceRefinement::ChooseFirst(Communicator& ranks, Field& field, std::ui
 }
 
 /// Has the surface of a sample stay until there is a finer one.
-Status SurfaceRefinement::ChooseLevelThatStays(
-  Communicator& ranks, Field& field, std::uint64_t shown)
+Status FieldRefinement::ChooseLevelThatStays(Communicator& ranks, Field& field, std::uint64_t shown)
 {
   Pass& pass = this->Last;
   for (int level = pass.Level;; level = this->GetNextLevel(field))
@@ -96,18 +97,10 @@ Status SurfaceRefinement::ChooseLevelThatStays(
   }
 }
 
-Status SurfaceRefinement::Extract(Communicator& ranks, ExtractionOutcome& outcome)
-{
-  Pass& pass = this->Last;
-  ISOSURFACE_RETURN_IF_ERROR(pass.Of->Extract(ranks, pass.Level, outcome));
-  // What forbids this level forbids finer ones, too.
-  pass.IsFinal = pass.IsFinal || outcome.Cost.Level > pass.Level;
-  return Status::Ok();
-}
-
-void SurfaceRefinement::SetShown(bool shown, std::size_t triangles)
+void FieldRefinement::SetShown(bool shown, int level, std::size_t triangles)
 {
   this->Last.Shown = shown;
+  this->Last.IsFinal = this->Last.IsFinal || level > this->Last.Level;
   this->Last.Stays = this->Last.Stays && shown;
   if (!this->Last.Stays)
   {
@@ -118,29 +111,29 @@ void SurfaceRefinement::SetShown(bool shown, std::size_t triangles)
 //------------------------------------------------------------------------------
 // The next surface
 
-int SurfaceRefinement::GetNextLevel(const Field& field) const
+int FieldRefinement::GetNextLevel(const Field& field) const
 {
   const Pass& pass = this->Last;
   return pass.IsDirect ? pass.Wanted.Level : field.GetNextLevel(pass.Level, pass.Wanted.Level);
 }
 
-bool SurfaceRefinement::IsCurrent(std::uint64_t change) const
+bool FieldRefinement::IsCurrent(std::uint64_t change) const
 {
   const Pass& pass = this->Last;
   return pass.Of && pass.Shown && pass.Wanted.Change == change && pass.Of->IsThere();
 }
 
-bool SurfaceRefinement::MayRefine(std::uint64_t change) const
+bool FieldRefinement::MayRefine(std::uint64_t change) const
 {
   return this->IsCurrent(change) && !this->Last.IsFinal;
 }
 
-bool SurfaceRefinement::MayGrow(std::uint64_t change) const
+bool FieldRefinement::MayGrow(std::uint64_t change) const
 {
   return this->IsCurrent(change) && this->Last.Level == 0 && this->Last.Of->Grows();
 }
 
-bool SurfaceRefinement::Refine(std::uint64_t change)
+bool FieldRefinement::Refine(std::uint64_t change)
 {
   Pass& pass = this->Last;
   if (this->MayGrow(change) && pass.Of->GetPrepared())
@@ -160,7 +153,7 @@ bool SurfaceRefinement::Refine(std::uint64_t change)
   return true;
 }
 
-SurfaceRefinement::Preparation SurfaceRefinement::Wait(
+FieldRefinement::Preparation FieldRefinement::Wait(
   Communicator& ranks, double seconds, std::uint64_t change)
 {
   const bool grows = this->MayGrow(change);
@@ -183,7 +176,7 @@ SurfaceRefinement::Preparation SurfaceRefinement::Wait(
   return prepared;
 }
 
-Refinement SurfaceRefinement::Prepare(Communicator& ranks, double seconds, std::uint64_t change)
+Refinement FieldRefinement::Prepare(Communicator& ranks, double seconds, std::uint64_t change)
 {
   Refinement& next = this->Next;
   Preparation prepared = this->Wait(ranks, seconds, change);
@@ -217,7 +210,7 @@ Refinement SurfaceRefinement::Prepare(Communicator& ranks, double seconds, std::
   return next;
 }
 
-Refinement SurfaceRefinement::PrepareGrowth(Communicator& ranks, const Preparation& prepared)
+Refinement FieldRefinement::PrepareGrowth(Communicator& ranks, const Preparation& prepared)
 {
   Field& field = *this->Last.Of;
   if (!prepared.Exists)
@@ -238,7 +231,7 @@ Refinement SurfaceRefinement::PrepareGrowth(Communicator& ranks, const Preparati
 //------------------------------------------------------------------------------
 // A finer level
 
-Status SurfaceRefinement::BeginLevel(Communicator& ranks)
+Status FieldRefinement::BeginLevel(Communicator& ranks)
 {
   const Pass& pass = this->Last;
   Refinement& next = this->Next;
@@ -255,7 +248,7 @@ Status SurfaceRefinement::BeginLevel(Communicator& ranks)
   return isWanted ? pass.Of->Prepare(ranks, level) : Status::Ok();
 }
 
-Status SurfaceRefinement::FindFittingLevel(Communicator& ranks, bool& isSizeAccepted)
+Status FieldRefinement::FindFittingLevel(Communicator& ranks, bool& isSizeAccepted)
 {
   const Pass& pass = this->Last;
   Refinement& next = this->Next;
@@ -267,9 +260,13 @@ Status SurfaceRefinement::FindFittingLevel(Communicator& ranks, bool& isSizeAcce
     status = triangles.GetStatus();
     estimates.push_back(triangles.IsOk() ? *triangles : 0);
   }
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-  std::vector<std::uint64_t> limits = { this->FindFreeMemory(), pass.SizeAccepted ? 1U : 0U };
+  std::vector<std::uint64_t> limits = { this->FindFreeMemory(), pass.SizeAccepted ? 1U : 0U,
+    status.IsOk() ? 1U : 0U };
   ranks.ReduceMinimum(limits);
+  if (limits[2] == 0)
+  {
+    return ranks.Agree(status);
+  }
   const auto shown = static_cast<double>(ranks.Sum(pass.Triangles));
   isSizeAccepted = limits[1] != 0;
   // A region has a part of the triangles that spectra count: that of the shown surface.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Each step of a surface from coarse to final, on ranks that are threads, without a pipeline.
-#include "Ranks/Query/SurfaceRefinement.h"
+#include "Ranks/Query/FieldRefinement.h"
 #include "Fixtures/VolumeOnDisk.h"
 #include "Ranks/Query/MemoryField.h"
 #include "Ranks/Query/StoredField.h"
@@ -70,7 +70,7 @@ public:
     this->Query = { { 0, 0, { RefinedIsovalue } }, communicator.GetRank(), communicator.GetSize() };
   }
 
-  Result<SurfaceRefinement::Choice> Begin()
+  Result<FieldRefinement::Choice> Begin()
   {
     if (this->Image)
     {
@@ -79,7 +79,7 @@ public:
     }
     ExtractionTask task = { this->Volume, this->Query, {}, 1, {} };
     task.Request.Isovalues = this->Query.Isovalues;
-    this->Stored.Ask(task, {}, "");
+    this->Stored.Ask(task, {});
     return this->Surfaces.Begin(this->Counted, this->Stored, this->Wanted);
   }
 
@@ -89,9 +89,11 @@ public:
     const auto choice = this->Begin();
     EXPECT_TRUE(choice.IsOk()) << choice.GetStatus().GetMessage();
     ExtractionOutcome outcome;
-    const Status status = this->Surfaces.Extract(this->Counted, outcome);
+    const Status status = this->Image
+      ? this->InMemory.Extract(this->Counted, choice->Level, outcome)
+      : this->Stored.Extract(this->Counted, choice->Level, outcome);
     EXPECT_TRUE(status.IsOk()) << status.GetMessage();
-    this->Surfaces.SetShown(status.IsOk(), outcome.Extracted.NumberOfTriangles);
+    this->Surfaces.SetShown(status.IsOk(), outcome.Cost.Level, outcome.Extracted.NumberOfTriangles);
     const std::uint64_t triangles = this->Counted.Sum(outcome.Extracted.NumberOfTriangles);
     return { triangles, outcome.Cost.Level };
   }
@@ -122,7 +124,7 @@ public:
   std::uint64_t FreeMemory = 0; ///< unknown
   StoredField Stored;
   MemoryField InMemory;
-  SurfaceRefinement Surfaces;
+  FieldRefinement Surfaces;
 
 private:
   void AskImage()
@@ -143,13 +145,10 @@ private:
 };
 
 /// A volume whose surface has so many triangles that the first one is coarse.
-class SurfaceRefinementTest : public testing::Test
+class FieldRefinementTest : public testing::Test
 {
 protected:
-  SurfaceRefinementTest()
-  {
-    WriteVolumeOk(this->Disk, this->Image, MakeSettings(16, RefiningRanks));
-  }
+  FieldRefinementTest() { WriteVolumeOk(this->Disk, this->Image, MakeSettings(16, RefiningRanks)); }
 
   std::uint64_t CountExactTriangles()
   {
@@ -188,7 +187,7 @@ TEST(Refinement, KeepsEachMemberAsAValueOfAProperty)
   EXPECT_EQ(Refinement::FromValues(values.data()).ToValues(), values);
 }
 
-TEST_F(SurfaceRefinementTest, GoesFromACoarseSurfaceToTheFinalOne)
+TEST_F(FieldRefinementTest, GoesFromACoarseSurfaceToTheFinalOne)
 {
   const std::uint64_t exact = this->CountExactTriangles();
   this->OnRanks(
@@ -207,7 +206,7 @@ TEST_F(SurfaceRefinementTest, GoesFromACoarseSurfaceToTheFinalOne)
     });
 }
 
-TEST_F(SurfaceRefinementTest, OfAnImageGoesTheSameWayTogether)
+TEST_F(FieldRefinementTest, OfAnImageGoesTheSameWayTogether)
 {
   const std::uint64_t exact = this->CountExactTriangles();
   this->OnRanks(
@@ -234,7 +233,7 @@ TEST_F(SurfaceRefinementTest, OfAnImageGoesTheSameWayTogether)
     });
 }
 
-TEST_F(SurfaceRefinementTest, IsTheSameWithoutPreparation)
+TEST_F(FieldRefinementTest, IsTheSameWithoutPreparation)
 {
   const std::uint64_t exact = this->CountExactTriangles();
   this->OnRanks(
@@ -246,7 +245,7 @@ TEST_F(SurfaceRefinementTest, IsTheSameWithoutPreparation)
     });
 }
 
-TEST_F(SurfaceRefinementTest, ScriptsGetOneLevelAfterTheOther)
+TEST_F(FieldRefinementTest, ScriptsGetOneLevelAfterTheOther)
 {
   this->OnRanks(
     [&](Window& window)
@@ -266,7 +265,7 @@ TEST_F(SurfaceRefinementTest, ScriptsGetOneLevelAfterTheOther)
     });
 }
 
-TEST_F(SurfaceRefinementTest, AChangeOnOneRankBeginsAnewOnAll)
+TEST_F(FieldRefinementTest, AChangeOnOneRankBeginsAnewOnAll)
 {
   this->OnRanks(
     [&](Window& window)
@@ -285,7 +284,7 @@ TEST_F(SurfaceRefinementTest, AChangeOnOneRankBeginsAnewOnAll)
     });
 }
 
-TEST_F(SurfaceRefinementTest, ASurfaceLargerThanTheMemoryOfOneRankWaitsUntilAllAcceptIt)
+TEST_F(FieldRefinementTest, ASurfaceLargerThanTheMemoryOfOneRankWaitsUntilAllAcceptIt)
 {
   this->OnRanks(
     [&](Window& window)
@@ -308,7 +307,7 @@ TEST_F(SurfaceRefinementTest, ASurfaceLargerThanTheMemoryOfOneRankWaitsUntilAllA
     });
 }
 
-TEST_F(SurfaceRefinementTest, BeginsWithTwoReductionsAndPollsWithOne)
+TEST_F(FieldRefinementTest, BeginsWithTwoReductionsAndPollsWithOne)
 {
   this->OnRanks(
     [&](Window& window)
@@ -325,7 +324,7 @@ TEST_F(SurfaceRefinementTest, BeginsWithTwoReductionsAndPollsWithOne)
     });
 }
 
-TEST_F(SurfaceRefinementTest, AnErrorOfOneRankIsOneOfAll)
+TEST_F(FieldRefinementTest, AnErrorOfOneRankIsOneOfAll)
 {
   MemoryDisk damaged;
   WriteVolumeOk(
@@ -355,7 +354,7 @@ TEST_F(SurfaceRefinementTest, AnErrorOfOneRankIsOneOfAll)
     });
 }
 
-TEST_F(SurfaceRefinementTest, RanksThatSeeDifferentFilesFail)
+TEST_F(FieldRefinementTest, RanksThatSeeDifferentFilesFail)
 {
   MemoryDisk other; // with a surface that is small enough to be shown at once
   WriteVolumeOk(other,
