@@ -423,11 +423,17 @@ Status ContourExecution::ExtractFromImages(vtkInformation* inInfo, ContourOutcom
 {
   ControllerCommunicator ranks = this->GetRanks();
   ImagePieces pieces;
-  ISOSURFACE_ASSIGN_OR_RETURN(
-    auto query, this->CollectImages(ranks, inInfo, true, pieces, outcome));
-  this->Averages.DropUnused();
-  this->InMemory.Ask(std::move(query), isosurface::MakeProgress(this->Contour));
-  const auto choice = this->Surfaces.Begin(ranks, this->InMemory, this->MakeRefinementRequest());
+  const auto ask = [&]() -> Status
+  {
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto query, this->CollectImages(ranks, inInfo, true, pieces, outcome));
+    this->Averages.DropUnused();
+    this->InMemory.Ask(std::move(query), isosurface::MakeProgress(this->Contour));
+    return Status::Ok();
+  };
+  const Status asked = ask();
+  const auto choice =
+    this->Surfaces.Begin(ranks, this->InMemory, this->MakeRefinementRequest(), asked);
   Status status = choice.GetStatus();
   if (status.IsOk()) // on all ranks
   {
@@ -487,8 +493,7 @@ Result<MemoryQuery> ContourExecution::CollectImages(Communicator& ranks, vtkInfo
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(
-    AttemptOnAll(ranks, "the images of the input cannot be contoured", add));
+  ISOSURFACE_RETURN_IF_ERROR(Attempt("the images of the input cannot be contoured", add));
   return query;
 }
 

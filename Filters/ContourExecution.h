@@ -120,7 +120,7 @@ private:
   Status ChooseIslands(Communicator& ranks, const Status& extracted,
     const std::function<IslandGrids()>& makeGrids, ContourOutcome& outcome);
   /// The images of all ranks that are to be contoured, and what is asked of them; they live with
-  /// `pieces`. `interpolates`: whether other arrays are wanted. Collective.
+  /// `pieces`. `interpolates`: whether other arrays are wanted. Collective; the error may be this rank's.
   Result<MemoryQuery> CollectImages(Communicator& ranks, vtkInformation* inInfo, bool interpolates,
     ImagePieces& pieces, ContourOutcome& outcome);
 

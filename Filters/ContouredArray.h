@@ -29,7 +29,8 @@ using ArrayChooser = std::function<vtkDataArray*(vtkImageData* image, int& assoc
  *
  * Errors: those of CollectImagePieces and AverageToPoints; InvalidArgument, which names the array,
  * for one without the chosen component, or one of neither points nor cells; NotFound if no image
- * has the array `name`, or any array if it is empty, which tells what cell arrays there are instead.
+ * has the array `name`, or any array if it is empty, which tells what cell arrays there are instead. An
+ * error may be this rank's alone.
  */
 Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* inInfo,
   const ArrayChooser& choose, const std::string& name, int component, CellAverages& averages,

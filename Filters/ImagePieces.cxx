@@ -22,6 +22,7 @@
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
+#include "Ground/Base/Coding.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/GridUnion.h"
 #include "ImageSamples.h"
@@ -219,24 +220,58 @@ void FindLeafGrids(
   }
 }
 
-// The samples of leaves, in the grids of all ranks: images first; one piece a leaf. `linedNumbers`: of the leaves with
-// lines, their grids.
-Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
-  const std::vector<GridGeometry>& images, std::vector<LinedGrid> lined,
-  const std::vector<std::size_t>& linedNumbers, ImagePieces& pieces)
+// What each rank tells of its leaves: whether it has images, and the grids of the leaves.
+Message DescribeLeaves(const std::vector<Leaf>& leaves, std::size_t numberOfImages)
 {
-  pieces.Grids = images;
-  pieces.Lines.resize(images.size());
-  for (LinedGrid& grid : lined)
+  std::vector<GridGeometry> grids;
+  std::vector<LinedGrid> lined;
+  FindLeafGrids(leaves, grids, lined);
+  const Message images = PackGrids(grids);
+  Message message;
+  AppendVarint(message, numberOfImages > 0 ? 1 : 0);
+  AppendVarint(message, images.size());
+  message.insert(message.end(), images.begin(), images.end());
+  const Message others = PackLinedGrids(lined);
+  message.insert(message.end(), others.begin(), others.end());
+  return message;
+}
+
+// The samples of leaves, in the grids of all ranks: images first; one piece a leaf. `told`: what the ranks
+// tell of their leaves, of which those of rank `own` are given.
+Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
+  const std::vector<Message>& told, std::size_t own, ImagePieces& pieces)
+{
+  bool areImages = false;
+  std::vector<Message> ofImages;
+  std::vector<Message> ofLined;
+  for (const Message& message : told)
+  {
+    ByteReader reader(message);
+    areImages = reader.ReadVarint() > 0 || areImages;
+    const auto size = static_cast<std::size_t>(reader.ReadVarint());
+    const auto begin = message.end() - static_cast<std::ptrdiff_t>(reader.GetRemaining());
+    const auto end = begin + static_cast<std::ptrdiff_t>(size);
+    ofImages.emplace_back(begin, end);
+    ofLined.emplace_back(end, message.end());
+  }
+  pieces.Grids = UniteGrids(ofImages);
+  const std::size_t images = pieces.Grids.size();
+  std::vector<std::size_t> linedNumbers;
+  pieces.Lines.resize(images);
+  for (LinedGrid& grid : UniteLinedGrids(ofLined, own, linedNumbers))
   {
     pieces.Grids.push_back(grid.Grid);
     pieces.Lines.emplace_back(std::move(grid.Lines));
+  }
+  if (areImages && pieces.Grids.empty())
+  {
+    return { StatusCode::NotFound, "the input has no such point array" };
   }
   std::size_t next = 0;
   for (const Leaf& leaf : leaves)
   {
     const std::size_t grid =
-      leaf.Lines ? images.size() + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid);
+      leaf.Lines ? images + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid);
     ISOSURFACE_ASSIGN_OR_RETURN(
       auto samples, MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array));
     const vtkMTimeType time = FindImageTime(inputInfo, leaf.Image);
@@ -395,44 +430,29 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
   int threads)
 {
   std::vector<Leaf> leaves;
-  std::size_t numberOfImages = 0;
-  std::vector<GridGeometry> grids;
-  std::vector<LinedGrid> lined;
   const std::string context = "the images of the input cannot be prepared";
-  const auto collect = [&]
+  const auto collect = [&](Message& mine) -> Status
   {
-    const Status status = CollectLeaves(input, inputInfo, findArray, leaves, numberOfImages);
-    FindLeafGrids(leaves, grids, lined);
-    return status;
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, collect));
-  std::vector<std::uint64_t> counts{ numberOfImages, leaves.size() };
-  ranks.ReduceSum(counts);
-  if (counts[0] > 0 && counts[1] == 0)
-  {
-    return Status(StatusCode::NotFound, "the input has no such point array");
-  }
-
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto images, UniteGrids(ranks, grids));
-  std::vector<std::size_t> linedNumbers;
-  ISOSURFACE_ASSIGN_OR_RETURN(auto united, UniteLinedGrids(ranks, lined, linedNumbers));
-  ImagePieces pieces;
-  std::vector<FieldPiece> described;
-  const auto add = [&]() -> Status
-  {
-    ISOSURFACE_RETURN_IF_ERROR(
-      AddPieces(inputInfo, leaves, images, std::move(united), linedNumbers, pieces));
-    described = DescribeFieldPieces(leaves, pieces);
+    std::size_t numberOfImages = 0;
+    ISOSURFACE_RETURN_IF_ERROR(CollectLeaves(input, inputInfo, findArray, leaves, numberOfImages));
+    mine = DescribeLeaves(leaves, numberOfImages);
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, add));
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto fields, PieceFields::Find(ranks, described, threads));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto told, GatherFromAll(ranks, context, collect));
+  ImagePieces pieces;
+  const auto describe = [&]() -> Result<std::vector<FieldPiece>>
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      AddPieces(inputInfo, leaves, told, static_cast<std::size_t>(ranks.GetRank()), pieces));
+    return DescribeFieldPieces(leaves, pieces);
+  };
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto fields, PieceFields::Find(ranks, describe, threads));
   const auto sort = [&]
   {
     pieces = SortByFields(input, pieces, fields);
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, context, sort));
+  ISOSURFACE_RETURN_IF_ERROR(Attempt(context, sort));
   return pieces;
 }
 

@@ -57,7 +57,8 @@ struct ImagePieces : MemoryGrids
  * Collective.
  *
  * `findArray` gives an image's point array to contour, or null. Errors: a dataset of another kind, an
- * array that no rank has or that cannot be contoured, lines that do not ascend.
+ * array that no rank has or that cannot be contoured, lines that do not ascend. An error may be this rank's
+ * alone: the caller has all ranks agree.
  */
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
   vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray,

@@ -230,9 +230,6 @@ class SampledImage::Parts : public Field
 public:
   /// `coarse` is null if the exact image is there as soon.
   void Ask(std::unique_ptr<Part> exact, std::unique_ptr<Part> coarse);
-  /// Nothing can be made of what is asked.
-  void Refuse(const Status& reason) { this->Refusal = reason; }
-  const Status& GetStatus() const { return this->Refusal; }
   Part& GetPart(int level)
   {
     return this->Coarse && level > this->Exact->Plan.Level ? *this->Coarse : *this->Exact;
@@ -245,7 +242,6 @@ public:
   int FindFinestLevel(int) const override { return this->Exact ? this->Exact->Plan.Level : 0; }
   Result<First> FindFirst(Communicator&, int finest) override
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->Refusal);
     return First{ this->Coarse ? this->Coarse->Plan.Level : finest, true };
   }
   Status Prepare(Communicator&, int) override;
@@ -253,7 +249,6 @@ public:
   void DropPrepared() override;
 
 private:
-  Status Refusal;
   std::unique_ptr<Part> Exact;
   std::unique_ptr<Part> Coarse;
   std::unique_ptr<CollectiveTask> Work; ///< the last member: it fills Exact, by this rank alone
@@ -261,7 +256,6 @@ private:
 
 void SampledImage::Parts::Ask(std::unique_ptr<Part> exact, std::unique_ptr<Part> coarse)
 {
-  this->Refusal = Status::Ok();
   if (!this->Exact || !this->Exact->IsOf(*exact))
   {
     this->DropPrepared();
@@ -396,11 +390,11 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
     const int threads = ranks.ChooseThreads(0);
     const auto describe = [&](const ImagePlan& image)
     { return this->DescribePart(input, FindPart(image, request, output), threads, image); };
-    this->Ask(input, plan, describe);
     RefinementRequest wanted;
     wanted.MayBeCoarse = this->CoarseAllowed;
     wanted.Change = this->Source;
-    const auto choice = this->Levels.Begin(ranks, *this->Image, wanted);
+    const auto choice =
+      this->Levels.Begin(ranks, *this->Image, wanted, this->Ask(input, plan, describe));
     status = choice.GetStatus();
     level = choice.IsOk() ? choice->Level : 0;
   }
@@ -421,7 +415,7 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
   return status.IsOk();
 }
 
-void SampledImage::Ask(const VolumeInput& input, const Planner& plan,
+Status SampledImage::Ask(const VolumeInput& input, const Planner& plan,
   const std::function<PartPointer(const ImagePlan&)>& describe)
 {
   const auto ask = [&]() -> Status
@@ -433,11 +427,7 @@ void SampledImage::Ask(const VolumeInput& input, const Planner& plan,
     this->Image->Ask(describe(exact), IsSame(exact, coarse) ? nullptr : describe(coarse));
     return Status::Ok();
   };
-  const Status asked = Attempt(NotRead, ask);
-  if (!asked.IsOk())
-  {
-    this->Image->Refuse(asked);
-  }
+  return Attempt(NotRead, ask);
 }
 
 std::uint64_t SampledImage::SumSource(const VolumeInput& input, std::uint64_t properties)
@@ -492,7 +482,6 @@ void SampledImage::KeepSamples(const std::shared_ptr<const LevelSamples>& sample
 Status SampledImage::FillOutput(
   const VolumeInput& input, int level, vtkInformation* inInfo, vtkInformation* outInfo)
 {
-  ISOSURFACE_RETURN_IF_ERROR(this->Image->GetStatus());
   Part& part = this->Image->GetPart(level);
   vtkDataObject* made = vtkDataObject::GetData(outInfo);
   // The reader of a file series tells filters of the first file alone, which TellImage goes by.

@@ -104,8 +104,8 @@ private:
 
   /// What an image is made of; the filter's properties aside, the same on all ranks.
   static std::uint64_t SumSource(const VolumeInput& input, std::uint64_t properties);
-  /// Plans the exact image and the coarse one.
-  void Ask(const VolumeInput& input, const Planner& plan,
+  /// Plans the exact image and the coarse one. Not collective.
+  Status Ask(const VolumeInput& input, const Planner& plan,
     const std::function<PartPointer(const ImagePlan&)>& describe);
   Status FillOutput(
     const VolumeInput& input, int level, vtkInformation* inInfo, vtkInformation* outInfo);

@@ -255,14 +255,15 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
   const int threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
   isosurface::CellAverages averages;
-  ISOSURFACE_ASSIGN_OR_RETURN(auto pieces,
+  auto pieces =
     isosurface::CollectContouredPieces(
       this->Ranks, inInfo,
       [this](vtkImageData* image, int& association)
       { return this->Filter.GetInputArrayToProcess(0, image, association); },
-      this->GetArrayName(), this->Filter.Component, averages, threads));
+      this->GetArrayName(), this->Filter.Component, averages, threads);
+  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(pieces.GetStatus()));
   auto images =
-    std::make_unique<MemorySpectrum>(std::move(pieces), this->Filter.Component, threads);
+    std::make_unique<MemorySpectrum>(std::move(*pieces), this->Filter.Component, threads);
   if (this->Filter.ProposesAlone)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(this->Filter.Proposal, images->Propose(this->Ranks));

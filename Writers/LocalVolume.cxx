@@ -9,6 +9,7 @@
 #include "ArrayChoice.h"
 #include "CellArrays.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Volume/GridUnion.h"
 #include "ImageSamples.h"
 #include "Storage/Store/JsonDocument.h"
 
@@ -111,10 +112,21 @@ Status LocalVolume::UniteLines(Communicator& ranks)
   {
     mine.push_back(*this->Lines);
   }
-  std::vector<std::size_t> numbers;
-  ISOSURFACE_ASSIGN_OR_RETURN(auto united, UniteLinedGrids(ranks, mine, numbers));
-  std::vector<LinedGrid>& grids = united;
-  Status status;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto packed,
+    GatherFromAll(ranks, NoMemoryForGrids,
+      [&](Message& message)
+      {
+        message = PackLinedGrids(mine);
+        return Status::Ok();
+      }));
+  std::vector<LinedGrid> grids;
+  Status status = Attempt(NoMemoryForGrids,
+    [&]
+    {
+      std::vector<std::size_t> numbers;
+      grids = UniteLinedGrids(packed, 0, numbers);
+      return Status::Ok();
+    });
   if (grids.size() > 1)
   {
     status = { StatusCode::InvalidArgument,

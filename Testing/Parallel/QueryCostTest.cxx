@@ -7,11 +7,17 @@
 #include "vtkStabbingContour.h"
 
 #include <algorithm>
+#include <atomic>
+
+#include <mpi.h>
 
 using namespace isosurface;
 
 namespace
 {
+
+std::atomic<int> Reductions{ 0 }; ///< of this rank with all others
+std::atomic<int> Gathers{ 0 };
 
 constexpr int WarmCache = 256; // MiB
 
@@ -106,4 +112,68 @@ TEST_P(QueryCost, TreePagesAreFew)
 
 INSTANTIATE_TEST_SUITE_P(Stores, QueryCost, testing::Values(1, 4, 7));
 
+/// What a click costs all ranks: from the isovalue to the surface, of an input that is there.
+class QueryCostOfAClick : public testing::TestWithParam<bool>
+{
+protected:
+  /// The most reductions of the first contour and of another isovalue.
+  static int CountReductions(vtkStabbingContour* contour)
+  {
+    const ExpectNoErrors errors(contour);
+    contour->SetController(GetRanks());
+    int most = 0;
+    for (const double isovalue : { 60.5, 100.5 })
+    {
+      contour->SetValue(0, isovalue);
+      contour->UpdateInformation();
+      contour->AllowCoarse(GetParam());
+      Reductions = Gathers = 0;
+      contour->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
+      contour->AllowCoarse(0);
+      std::printf("%d reductions, %d gathers at %g\n", Reductions.load(), Gathers.load(), isovalue);
+      most = std::max(most, Reductions.load());
+      EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(contour->GetOutput()->GetNumberOfCells())), 0u);
+    }
+    return most;
+  }
+
+  const vtkSmartPointer<vtkImageData> Image =
+    MakeClosedVolume({ -3, 107, 5, 114, 0, 101 }, VTK_UNSIGNED_CHAR);
+};
+
+TEST_P(QueryCostOfAClick, OnAVolumeIsFourReductions)
+{
+  const SharedVolume volume("ClickedVolume", this->Image, { 16, 3 });
+  ContourPipeline pipeline(volume.Path);
+  pipeline.Update({ 30.5 });
+  vtkNew<vtkStabbingContour> contour;
+  contour->SetInputConnection(pipeline.Reader->GetOutputPort());
+  EXPECT_LE(CountReductions(contour), 4);
+}
+
+TEST_P(QueryCostOfAClick, OnImagesIsFourReductions)
+{
+  const auto contour = MakeContour(MakeSource(this->Image), 30.5);
+  // A coarse surface is one of all ranks' samples together, which they have to bring to each other.
+  EXPECT_LE(CountReductions(contour), GetParam() ? 25 : 4);
+}
+
+INSTANTIATE_TEST_SUITE_P(MayBeCoarse, QueryCostOfAClick, testing::Bool());
+
 } // namespace
+
+// The symbols of a program come before those of its libraries.
+extern "C" __attribute__((visibility("default"))) int MPI_Allreduce(const void* mine, void* all,
+  int count, MPI_Datatype type, MPI_Op operation, MPI_Comm ranks)
+{
+  ++Reductions;
+  return PMPI_Allreduce(mine, all, count, type, operation, ranks);
+}
+
+extern "C" __attribute__((visibility("default"))) int MPI_Allgatherv(const void* mine, int count,
+  MPI_Datatype type, void* all, const int counts[], const int places[], MPI_Datatype allType,
+  MPI_Comm ranks)
+{
+  ++Gathers;
+  return PMPI_Allgatherv(mine, count, type, all, counts, places, allType, ranks);
+}

@@ -67,6 +67,18 @@ Status ChooseError(const Status& mine, const std::vector<Message>& messages)
     : mine;
 }
 
+// A code and a reason, or nothing.
+Message PackError(const Status& status)
+{
+  Message message;
+  if (!status.IsOk())
+  {
+    message.push_back(static_cast<std::uint8_t>(status.GetCode()));
+    message.insert(message.end(), status.GetMessage().begin(), status.GetMessage().end());
+  }
+  return message;
+}
+
 } // namespace
 
 std::uint64_t Communicator::Minimum(std::uint64_t mine)
@@ -101,16 +113,28 @@ Status Communicator::Agree(const Status& mine)
   {
     return mine;
   }
-  const std::string& text = mine.GetMessage();
-  Message message;
-  if (!mine.IsOk())
-  {
-    message.resize(1 + text.size());
-    message[0] = static_cast<std::uint8_t>(mine.GetCode());
-    std::copy(text.begin(), text.end(), message.begin() + 1);
-  }
   return RunCollective(
-    "a rank failed", [&] { return ChooseError(mine, this->AllGather(message)); });
+    "a rank failed", [&] { return ChooseError(mine, this->AllGather(PackError(mine))); });
+}
+
+Result<std::vector<Message>> Communicator::GatherAgreed(const Status& status, const Message& mine)
+{
+  std::vector<Message> messages = this->AllGather(status.IsOk() ? mine : PackError(status));
+  const auto isError = [](const Message& message) { return message.front() != 0; };
+  const bool hasFailed = std::any_of(messages.begin(), messages.end(), isError);
+  for (Message& message : messages)
+  {
+    if (!hasFailed)
+    {
+      message.erase(message.begin());
+    }
+    else if (!isError(message))
+    {
+      message.clear();
+    }
+  }
+  return hasFailed ? Result<std::vector<Message>>(ChooseError(status, messages))
+                   : Result<std::vector<Message>>(std::move(messages));
 }
 
 Status Communicator::Agree(const Status& mine, const std::vector<CommonValue>& values)

@@ -116,8 +116,12 @@ public:
    */
   Status Agree(const Status& mine);
 
+  /// Gives every rank the messages of all, as AllGather, if no rank has failed; else what Agree returns. The
+  /// first byte of `mine` is reserved, and not among what is returned. No reduction.
+  Result<std::vector<Message>> GatherAgreed(const Status& status, const Message& mine);
+
   /**
-   * The same, and if no rank has failed, whether the ranks have the same values: otherwise all get
+   * The same as the other Agree, and if no rank has failed, whether the ranks have the same values: otherwise all get
    * InvalidArgument with the Difference of the first value that is not the same, and the first rank
    * that has another one than rank 0. Call it before a branch that a value decides and that leads
    * to a collective. All ranks give the same number of values; those of a failed rank do not count.
@@ -134,6 +138,23 @@ template <typename Step>
 Status AttemptOnAll(Communicator& ranks, const std::string& context, const Step& step)
 {
   return ranks.Agree(Attempt(context, step));
+}
+
+/// Runs a step on each rank that appends to its message; gives every rank the messages of all. An error of
+/// any rank is one of all.
+template <typename Step>
+Result<std::vector<Message>> GatherFromAll(
+  Communicator& ranks, const std::string& context, const Step& step)
+{
+  Message mine;
+  const auto fill = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(step(mine));
+    mine.insert(mine.begin(), std::uint8_t{ 0 });
+    return Status::Ok();
+  };
+  const Status status = Attempt(context, fill);
+  return ranks.GatherAgreed(status, mine);
 }
 
 /// A group of one rank.

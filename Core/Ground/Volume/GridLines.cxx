@@ -136,38 +136,6 @@ LinedGrid UnitePieces(
   return whole;
 }
 
-/// `messages`: of each rank, its pieces. `numbers`: those of the pieces of one rank.
-std::vector<LinedGrid> UniteReceived(const std::vector<Message>& messages, std::size_t own,
-  std::size_t piecesOfOwn, std::vector<std::size_t>& numbers)
-{
-  std::vector<LinedGrid> all;
-  std::size_t firstOfOwn = 0;
-  for (std::size_t rank = 0; rank < messages.size(); ++rank)
-  {
-    firstOfOwn = rank == own ? all.size() : firstOfOwn;
-    const std::vector<LinedGrid> read = ReadPieces(messages[rank]);
-    all.insert(all.end(), read.begin(), read.end());
-  }
-  const std::vector<std::size_t> owners = FindOwners(all);
-  std::vector<LinedGrid> united;
-  std::vector<std::size_t> places(all.size());
-  for (std::size_t first = 0; first < all.size(); ++first)
-  {
-    if (owners[first] != first)
-    {
-      continue;
-    }
-    places[first] = united.size();
-    united.push_back(UnitePieces(all, owners, first));
-  }
-  numbers.clear();
-  for (std::size_t piece = 0; piece < piecesOfOwn; ++piece)
-  {
-    numbers.push_back(places[owners[firstOfOwn + piece]]);
-  }
-  return united;
-}
-
 } // namespace
 
 Status GridLines::Check(const Index3& dimensions) const
@@ -246,28 +214,46 @@ GridGeometry GridLines::MakeFrame(const GridGeometry& grid, const VertexBox& box
   return frame;
 }
 
-Result<std::vector<LinedGrid>> UniteLinedGrids(
-  Communicator& ranks, const std::vector<LinedGrid>& pieces, std::vector<std::size_t>& numbers)
+Message PackLinedGrids(const std::vector<LinedGrid>& pieces)
 {
-  Message mine;
-  const auto pack = [&]
+  Message packed;
+  for (const LinedGrid& piece : pieces)
   {
-    for (const LinedGrid& piece : pieces)
-    {
-      AppendPiece(piece, mine);
-    }
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, pack));
-  const std::vector<Message> messages = ranks.AllGather(mine);
+    AppendPiece(piece, packed);
+  }
+  return packed;
+}
+
+std::vector<LinedGrid> UniteLinedGrids(
+  const std::vector<Message>& packed, std::size_t own, std::vector<std::size_t>& numbers)
+{
+  std::vector<LinedGrid> all;
+  std::size_t firstOfOwn = 0;
+  std::size_t piecesOfOwn = 0;
+  for (std::size_t rank = 0; rank < packed.size(); ++rank)
+  {
+    const std::vector<LinedGrid> read = ReadPieces(packed[rank]);
+    firstOfOwn = rank == own ? all.size() : firstOfOwn;
+    piecesOfOwn = rank == own ? read.size() : piecesOfOwn;
+    all.insert(all.end(), read.begin(), read.end());
+  }
+  const std::vector<std::size_t> owners = FindOwners(all);
   std::vector<LinedGrid> united;
-  const auto unite = [&]
+  std::vector<std::size_t> places(all.size());
+  for (std::size_t first = 0; first < all.size(); ++first)
   {
-    united =
-      UniteReceived(messages, static_cast<std::size_t>(ranks.GetRank()), pieces.size(), numbers);
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, unite));
+    if (owners[first] != first)
+    {
+      continue;
+    }
+    places[first] = united.size();
+    united.push_back(UnitePieces(all, owners, first));
+  }
+  numbers.clear();
+  for (std::size_t piece = 0; piece < piecesOfOwn; ++piece)
+  {
+    numbers.push_back(places[owners[firstOfOwn + piece]]);
+  }
   return united;
 }
 

@@ -45,13 +45,16 @@ struct LinedGrid
   GridLines Lines;
 };
 
+/// This rank's pieces, for UniteLinedGrids.
+Message PackLinedGrids(const std::vector<LinedGrid>& pieces);
+
 /**
- * The rectilinear grids of which all ranks have pieces. Pieces that meet belong to one grid if they
+ * The rectilinear grids of which all ranks have pieces; `packed` is what PackLinedGrids gives on each. Pieces that meet belong to one grid if they
  * have the same lines where they meet; its extent is the box around them. The same list on all
- * ranks; `numbers` are those of this rank's pieces in it. Collective. Error of any rank: OutOfMemory.
+ * ranks; `numbers` are those of the pieces of rank `own` in it.
  */
-Result<std::vector<LinedGrid>> UniteLinedGrids(
-  Communicator& ranks, const std::vector<LinedGrid>& pieces, std::vector<std::size_t>& numbers);
+std::vector<LinedGrid> UniteLinedGrids(
+  const std::vector<Message>& packed, std::size_t own, std::vector<std::size_t>& numbers);
 
 } // namespace isosurface
 

@@ -17,11 +17,19 @@ auto GetFrame(const GridGeometry& grid)
   return std::tie(grid.Origin, grid.Spacing, grid.Direction);
 }
 
-// `messages`: of each rank, its pieces.
-std::vector<GridGeometry> UniteReceived(const std::vector<Message>& messages)
+} // namespace
+
+Message PackGrids(const std::vector<GridGeometry>& pieces)
+{
+  static_assert(std::is_trivially_copyable_v<GridGeometry>, "grids travel as bytes");
+  const auto* from = reinterpret_cast<const std::uint8_t*>(pieces.data());
+  return Message(from, from + pieces.size() * sizeof(GridGeometry));
+}
+
+std::vector<GridGeometry> UniteGrids(const std::vector<Message>& packed)
 {
   std::vector<GridGeometry> all;
-  for (const Message& message : messages)
+  for (const Message& message : packed)
   {
     for (std::size_t at = 0; at + sizeof(GridGeometry) <= message.size();
          at += sizeof(GridGeometry))
@@ -45,31 +53,6 @@ std::vector<GridGeometry> UniteReceived(const std::vector<Message>& messages)
       extent[2 * axis + 1] = std::max(extent[2 * axis + 1], grid.Extent[2 * axis + 1]);
     }
   }
-  return united;
-}
-
-} // namespace
-
-Result<std::vector<GridGeometry>> UniteGrids(
-  Communicator& ranks, const std::vector<GridGeometry>& pieces)
-{
-  static_assert(std::is_trivially_copyable_v<GridGeometry>, "grids travel as bytes");
-  Message mine;
-  const auto pack = [&]
-  {
-    const auto* from = reinterpret_cast<const std::uint8_t*>(pieces.data());
-    mine.assign(from, from + pieces.size() * sizeof(GridGeometry));
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, pack));
-  const std::vector<Message> messages = ranks.AllGather(mine);
-  std::vector<GridGeometry> united;
-  const auto unite = [&]
-  {
-    united = UniteReceived(messages);
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForGrids, unite));
   return united;
 }
 

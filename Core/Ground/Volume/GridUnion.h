@@ -15,13 +15,15 @@ namespace isosurface
 /// What an error of a shortage of memory says.
 constexpr const char* NoMemoryForGrids = "the grids of all ranks cannot be united";
 
+/// The grids of this rank's pieces, for UniteGrids.
+Message PackGrids(const std::vector<GridGeometry>& pieces);
+
 /**
- * The grids of which all ranks have pieces. Pieces of equal origin, spacing and direction belong to
- * one grid, whose extent is the box around them. The grids are ordered by origin, spacing and
- * direction, so that all ranks get the same list. Collective. Error of any rank: OutOfMemory.
+ * The grids of which all ranks have pieces; `packed` is what PackGrids gives on each. Pieces of equal
+ * origin, spacing and direction belong to one grid, whose extent is the box around them. The grids are
+ * ordered by origin, spacing and direction, so that all ranks get the same list.
  */
-Result<std::vector<GridGeometry>> UniteGrids(
-  Communicator& ranks, const std::vector<GridGeometry>& pieces);
+std::vector<GridGeometry> UniteGrids(const std::vector<Message>& packed);
 
 /// The number of a piece's grid in that list.
 std::size_t FindGrid(const std::vector<GridGeometry>& grids, const GridGeometry& piece);

@@ -37,27 +37,35 @@ void FieldRefinement::DropPrepared()
 // A surface
 
 Result<FieldRefinement::Choice> FieldRefinement::Begin(
-  Communicator& ranks, Field& field, const RefinementRequest& wanted)
+  Communicator& ranks, Field& field, const RefinementRequest& wanted, const Status& asked)
 {
   Pass& pass = this->Last;
   const bool isOfChange = pass.Of == &field && pass.Wanted.Change == wanted.Change;
   std::vector<std::uint64_t> sums = { isOfChange && field.IsSame() ? 0U : 1U,
     isOfChange && pass.Shown && field.IsOfLastSample() ? 1U : 0U, pass.Triangles,
-    wanted.MayBeCoarse ? 0U : 1U };
+    wanted.MayBeCoarse ? 0U : 1U, asked.IsOk() ? 0U : 1U };
   ranks.ReduceSum(sums);
+  if (sums[4] != 0)
+  {
+    return ranks.Agree(asked);
+  }
   if (sums[0] != 0)
   {
     this->Forget();
     pass.Wanted = wanted;
-    pass.Wanted.Level = field.FindFinestLevel(wanted.Level);
     pass.Wanted.MayBeCoarse = sums[3] == 0;
+    pass.Wanted.Level = field.FindFinestLevel(wanted.Level);
+    pass.Level = pass.Wanted.Level;
     const bool mayAllStay = sums[1] == static_cast<std::uint64_t>(ranks.GetSize());
-    const Status chosen = Attempt("the first level cannot be chosen",
-      [&] { return this->ChooseFirst(ranks, field, mayAllStay ? sums[2] : 0); });
-    const auto level = static_cast<std::uint64_t>(pass.Level);
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(chosen,
-      { MakeCommonFile(
-        field.GetName(), 4 * level + (pass.IsDirect ? 2 : 0) + (pass.Stays ? 1 : 0)) }));
+    if (wanted.IsProgressive || pass.Wanted.MayBeCoarse)
+    {
+      const Status chosen = Attempt("the first level cannot be chosen",
+        [&] { return this->ChooseFirst(ranks, field, mayAllStay ? sums[2] : 0); });
+      const auto level = static_cast<std::uint64_t>(pass.Level);
+      ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(chosen,
+        { MakeCommonFile(
+          field.GetName(), 4 * level + (pass.IsDirect ? 2 : 0) + (pass.Stays ? 1 : 0)) }));
+    }
     pass.Of = &field;
   }
   pass.IsFinal = this->IsNextFinest();
@@ -68,14 +76,10 @@ Status FieldRefinement::ChooseFirst(Communicator& ranks, Field& field, std::uint
 {
   Pass& pass = this->Last;
   const RefinementRequest& wanted = pass.Wanted;
-  pass.Level = wanted.Level;
-  if (wanted.IsProgressive || wanted.MayBeCoarse)
-  {
-    ISOSURFACE_ASSIGN_OR_RETURN(const auto first, field.FindFirst(ranks, wanted.Level));
-    pass.Level = first.Level;
-    // Scripts ask for the levels one by one; a window shows no more than a user can see.
-    pass.IsDirect = first.IsDirect && !wanted.IsProgressive;
-  }
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto first, field.FindFirst(ranks, wanted.Level));
+  pass.Level = first.Level;
+  // Scripts ask for the levels one by one; a window shows no more than a user can see.
+  pass.IsDirect = first.IsDirect && !wanted.IsProgressive;
   pass.MayStay = field.BeginSample(wanted.MayBeCoarse && wanted.Level == 0 && !wanted.FindsIslands);
   return shown > 0 ? this->ChooseLevelThatStays(ranks, field, shown) : Status::Ok();
 }

@@ -49,10 +49,12 @@ public:
   };
 
   /// Chooses the level of the next surface: the one that Refine has chosen or, if on any rank the field
-  /// has other samples or `wanted.Change` is new, the first one. `field` must outlive this object.
-  /// Errors: those of the field, or that the ranks see different files. Collective: a reduction, and
-  /// after a change an agreement and what Field::FindFirst needs.
-  Result<Choice> Begin(Communicator& ranks, Field& field, const RefinementRequest& wanted);
+  /// has other samples or `wanted.Change` is new, the first one. `field` must outlive this object. `asked`:
+  /// whether this rank has asked it. Errors: that of any rank, those of the field, or that the ranks see
+  /// different files. Collective: a reduction; after a change, if the first one may be coarse, also an
+  /// agreement and what Field::FindFirst needs.
+  Result<Choice> Begin(Communicator& ranks, Field& field, const RefinementRequest& wanted,
+    const Status& asked = Status::Ok());
   /// Tells whether what Begin has chosen is shown, at which level, and the triangles of this rank's part. A
   /// level that is coarser than the chosen one is final: what forbids this one forbids finer ones, too.
   void SetShown(bool shown, int level, std::size_t triangles);

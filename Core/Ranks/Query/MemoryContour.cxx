@@ -230,12 +230,14 @@ Status MemoryContour::ExtractPieces(Communicator& ranks, const MemoryQuery& quer
   const Progress& progress, ExtractionOutcome& outcome)
 {
   Prepared prepared;
-  const auto prepare = [&] { return this->Prepare(query, prepared); };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotContoured, prepare));
+  const Status status =
+    Attempt(NotContoured, [&] { return this->Prepare(query, prepared); });
   if (query.Request.Normals)
   {
-    ISOSURFACE_ASSIGN_OR_RETURN(prepared.Layers, PieceLayers::Collect(ranks, prepared.Pieces));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      prepared.Layers, PieceLayers::Collect(ranks, status, prepared.Pieces));
   }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   return Attempt(
     NotContoured, [&] { return this->ExtractPrepared(query, prepared, progress, outcome); });
 }

@@ -48,6 +48,7 @@ void MemoryField::Ask(MemoryQuery query, Progress advance)
 void MemoryField::Forget()
 {
   this->DropPrepared();
+  this->HasBegun = false;
   this->Probed.reset();
 }
 
@@ -140,7 +141,8 @@ Status MemoryField::Extract(Communicator& ranks, int level, ExtractionOutcome& o
     return Status::Ok();
   }
   outcome.Cost.Level = 0;
-  if (!ranks.All(this->Prepared != nullptr))
+  // Each rank may have dropped it, but all began it.
+  if (!this->HasBegun || !ranks.All(this->Prepared != nullptr))
   {
     this->Prepared.reset();
     return this->Exact.Extract(ranks, this->Asked, this->Advance, outcome);
@@ -152,6 +154,7 @@ Status MemoryField::Extract(Communicator& ranks, int level, ExtractionOutcome& o
 Status MemoryField::Prepare(Communicator& ranks, int)
 {
   this->Prepared.reset(); // it uses Exact
+  this->HasBegun = true;
   return Attempt("the next surface cannot be prepared",
     [&]
     {

@@ -552,35 +552,32 @@ PieceFields MakeFields(const std::vector<KnownPiece>& all, const std::vector<std
 
 } // namespace
 
-Result<PieceFields> PieceFields::Find(
-  Communicator& ranks, const std::vector<FieldPiece>& pieces, int threads)
+Result<PieceFields> PieceFields::Find(Communicator& ranks,
+  const std::function<Result<std::vector<FieldPiece>>()>& describe, int threads)
 {
   const auto rank = static_cast<std::size_t>(ranks.GetRank());
-  Message mine;
-  const auto describe = [&]
+  std::vector<FieldPiece> pieces;
+  const auto tell = [&](Message& mine) -> Status
   {
+    ISOSURFACE_ASSIGN_OR_RETURN(pieces, describe());
     mine = DescribeFieldPieces(pieces);
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotSorted, describe));
-  const std::vector<Message> descriptions = ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto descriptions, GatherFromAll(ranks, NotSorted, tell));
   std::vector<KnownPiece> all;
   std::vector<Comparison> comparisons;
   std::optional<Relations> relations;
-  const auto compare = [&]
+  const auto compare = [&](Message& mine)
   {
     all = ReadFieldPieces(descriptions);
     comparisons = relations.emplace(all).FindByPlace();
-    mine.clear();
     for (const std::uint64_t found : CompareSamples(all, comparisons, rank, pieces, threads))
     {
       AppendLittleEndian(mine, found);
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotSorted, compare));
-  const std::vector<Message> found =
-    comparisons.empty() ? std::vector<Message>() : ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto found, GatherFromAll(ranks, NotSorted, compare));
   PieceFields fields;
   const auto group = [&]
   {
@@ -590,7 +587,7 @@ Result<PieceFields> PieceFields::Find(
     fields = MakeFields(all, grouping.GetOwners(), rank, pieces.size());
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotSorted, group));
+  ISOSURFACE_RETURN_IF_ERROR(Attempt(NotSorted, group));
   return fields;
 }
 

@@ -44,10 +44,10 @@ struct PieceFields
   /**
    * Collective. Cost: a box of each piece to all ranks; the samples that two pieces have in common
    * are read, and of those on different ranks a checksum goes to all. The fields depend on the pieces
-   * and not on their ranks.
+   * and not on their ranks. `describe` gives this rank's pieces. The error may be this rank's alone.
    */
-  static Result<PieceFields> Find(
-    Communicator& ranks, const std::vector<FieldPiece>& pieces, int threads);
+  static Result<PieceFields> Find(Communicator& ranks,
+    const std::function<Result<std::vector<FieldPiece>>()>& describe, int threads);
 
   std::vector<GridField>
     Fields; ///< the same on all ranks; by grid, then in the order of the blocks

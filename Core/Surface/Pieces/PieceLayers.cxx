@@ -113,16 +113,15 @@ PieceLayers::LayerBox MakeRoom(const LayeredPiece& piece, const Supply& supply, 
 } // namespace
 
 Result<PieceLayers> PieceLayers::Collect(
-  Communicator& ranks, const std::vector<LayeredPiece>& pieces)
+  Communicator& ranks, const Status& prepared, const std::vector<LayeredPiece>& pieces)
 {
-  Message mine;
-  const auto describe = [&]
+  const auto describe = [&](Message& mine) -> Status
   {
+    ISOSURFACE_RETURN_IF_ERROR(prepared);
     mine = DescribePieces(pieces);
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoLayers, describe));
-  const std::vector<Message> messages = ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto messages, GatherFromAll(ranks, NoLayers, describe));
   const auto own = static_cast<std::size_t>(ranks.GetRank());
   std::vector<Message> outgoing;
   bool isAnyNeeded = false; // the same on all ranks

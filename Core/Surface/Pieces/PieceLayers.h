@@ -33,8 +33,10 @@ public:
   PieceLayers() = default;
 
   /// Collective. Cost: a box of each piece to all ranks, and the samples of the layers, a byte more
-  /// for each. OutOfMemory, before any samples are sent.
-  static Result<PieceLayers> Collect(Communicator& ranks, const std::vector<LayeredPiece>& pieces);
+  /// for each. `prepared`: whether this rank has `pieces`. Errors of any rank: that, and OutOfMemory, before
+  /// any samples are sent.
+  static Result<PieceLayers> Collect(Communicator& ranks, const Status& prepared,
+    const std::vector<LayeredPiece>& pieces);
 
   /// Makes room for `pieces` pieces without layers.
   void Resize(std::size_t pieces) { this->Layers.resize(pieces); }
