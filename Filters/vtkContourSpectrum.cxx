@@ -25,10 +25,9 @@
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
-#include "Ground/Base/CollectiveTask.h"
 #include "Ground/Base/Fingerprint.h"
+#include "Ranks/Query/FieldRefinement.h"
 #include "Ranks/Query/MemorySpectrum.h"
-#include "Ranks/Query/Refinement.h"
 #include "Storage/Spectrum/IsovalueProposal.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -42,8 +41,6 @@ vtkStandardNewMacro(vtkContourSpectrum);
 vtkCxxSetObjectMacro(vtkContourSpectrum, Controller, vtkMultiProcessController);
 
 using isosurface::MemorySpectrum;
-using isosurface::Refinement;
-using isosurface::RefinementStage;
 using isosurface::Status;
 using isosurface::StatusCode;
 
@@ -51,15 +48,6 @@ namespace
 {
 
 constexpr const char* NoSpectrum = "the spectrum cannot be made";
-
-/// What a window polls.
-Refinement::Values MakeValues(RefinementStage stage, double share)
-{
-  Refinement refinement;
-  refinement.Stage = stage;
-  refinement.Share = share;
-  return refinement.ToValues();
-}
 
 } // namespace
 
@@ -77,16 +65,13 @@ struct vtkContourSpectrum::Steps
   /// Fills it with the spectra of images that all ranks have pieces of, or begins to count these beside
   /// this thread. Collective.
   Status CountInImages(vtkInformation* inInfo) const;
-  Status Begin(std::unique_ptr<MemorySpectrum> images) const;
-  Status Fill(const MemorySpectrum& images) const;
 };
 
-/// Spectra that are counted beside the calling thread.
-struct vtkContourSpectrum::Beside
+/// The spectra of images.
+struct vtkContourSpectrum::OfImages
 {
-  std::uint64_t Fingerprint = 0;
-  std::unique_ptr<MemorySpectrum> Images;
-  std::unique_ptr<isosurface::CollectiveTask> Work; ///< the last member: it uses the others
+  MemorySpectrum Spectra;
+  isosurface::FieldRefinement Levels{ [] { return std::uint64_t{ 0 }; } };
 };
 
 //------------------------------------------------------------------------------
@@ -96,9 +81,10 @@ vtkContourSpectrum::vtkContourSpectrum()
   , NumberOfThreads(0)
   , Controller(nullptr)
   , SamplesAtOnce(VTK_INT_MAX)
-  , Refinement(MakeValues(RefinementStage::None, 0))
+  , Refinement(isosurface::Refinement().ToValues())
   , ProposesAlone(false)
   , Proposal(std::numeric_limits<double>::quiet_NaN())
+  , Images(std::make_unique<OfImages>())
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -170,6 +156,8 @@ int vtkContourSpectrum::RequestData(
   }
 
   this->Proposal = std::numeric_limits<double>::quiet_NaN();
+  this->Refinement = isosurface::Refinement().ToValues();
+  this->Images->Levels.SetShown(false, 0, 0);
   isosurface::ControllerCommunicator ranks(this->Controller);
   const Steps steps = { *this, ranks, table };
   // All go one way, that of volumes or that of images.
@@ -224,8 +212,7 @@ std::string vtkContourSpectrum::Steps::GetArrayName() const
 //------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& input) const
 {
-  this->Filter.Counted.reset();
-  this->Filter.Refinement = MakeValues(RefinementStage::None, 0);
+  this->Filter.Images->Levels.DropPrepared();
   if (this->Ranks.GetRank() != 0)
   {
     return Status::Ok();
@@ -255,68 +242,51 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
   const int threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
   isosurface::CellAverages averages;
-  auto pieces =
-    isosurface::CollectContouredPieces(
-      this->Ranks, inInfo,
-      [this](vtkImageData* image, int& association)
-      { return this->Filter.GetInputArrayToProcess(0, image, association); },
-      this->GetArrayName(), this->Filter.Component, averages, threads);
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(pieces.GetStatus()));
-  auto images =
-    std::make_unique<MemorySpectrum>(std::move(*pieces), this->Filter.Component, threads);
+  auto pieces = isosurface::CollectContouredPieces(
+    this->Ranks, inInfo,
+    [this](vtkImageData* image, int& association)
+    { return this->Filter.GetInputArrayToProcess(0, image, association); },
+    this->GetArrayName(), this->Filter.Component, averages, threads);
+  MemorySpectrum& spectra = this->Filter.Images->Spectra;
+  isosurface::FieldRefinement& levels = this->Filter.Images->Levels;
+  if (pieces.IsOk())
+  {
+    spectra.Ask(std::move(*pieces), this->Filter.Component, threads,
+      static_cast<std::uint64_t>(this->Filter.SamplesAtOnce));
+  }
   if (this->Filter.ProposesAlone)
   {
-    ISOSURFACE_ASSIGN_OR_RETURN(this->Filter.Proposal, images->Propose(this->Ranks));
+    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(pieces.GetStatus()));
+    ISOSURFACE_ASSIGN_OR_RETURN(this->Filter.Proposal, spectra.Propose(this->Ranks));
     return Status::Ok();
   }
-  const std::unique_ptr<Beside> beside = std::move(this->Filter.Counted);
-  this->Filter.Refinement = MakeValues(RefinementStage::None, 0);
-  const bool counted = this->Ranks.All(
-    beside && beside->Work->HasEnded() && beside->Fingerprint == images->ComputeFingerprint());
-  if (counted)
+  isosurface::RefinementRequest wanted;
+  wanted.MayBeCoarse = this->Filter.SamplesAtOnce < VTK_INT_MAX;
+  wanted.Change = this->Filter.GetMTime();
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto choice, levels.Begin(this->Ranks, spectra, wanted, pieces.GetStatus()));
+  Status status;
+  if (choice.IsFinal)
   {
-    ISOSURFACE_RETURN_IF_ERROR(beside->Work->GetStatus());
-    return this->Fill(*beside->Images);
+    status = spectra.Count(this->Ranks, isosurface::MakeProgress(this->Filter));
   }
-  const std::uint64_t samples = this->Ranks.Sum(images->CountSamples());
-  if (samples > static_cast<std::uint64_t>(this->Filter.SamplesAtOnce))
+  levels.SetShown(status.IsOk(), choice.Level, 0);
+  if (!choice.IsFinal)
   {
-    return this->Begin(std::move(images));
+    isosurface::Refinement begins;
+    begins.Stage = isosurface::RefinementStage::Working;
+    this->Filter.Refinement = begins.ToValues();
   }
-  ISOSURFACE_RETURN_IF_ERROR(images->Count(this->Ranks, isosurface::MakeProgress(this->Filter)));
-  return this->Fill(*images);
-}
-
-//------------------------------------------------------------------------------
-Status vtkContourSpectrum::Steps::Begin(std::unique_ptr<MemorySpectrum> images) const
-{
-  const auto begin = [&]
+  else if (status.IsOk() && this->Ranks.GetRank() == 0)
   {
-    auto beside = std::make_unique<Beside>();
-    beside->Fingerprint = images->ComputeFingerprint();
-    beside->Images = std::move(images);
-    beside->Work = std::make_unique<isosurface::CollectiveTask>(this->Ranks, NoSpectrum,
-      [&counted = *beside->Images](isosurface::Communicator& all,
-        const isosurface::Progress& advance) { return counted.Count(all, advance); });
-    this->Filter.Counted = std::move(beside);
-    this->Filter.Refinement = MakeValues(RefinementStage::Working, 0);
-    return Status::Ok();
-  };
-  return isosurface::Attempt(NoSpectrum, begin);
-}
-
-//------------------------------------------------------------------------------
-Status vtkContourSpectrum::Steps::Fill(const MemorySpectrum& images) const
-{
-  const auto fill = [&]
-  {
-    if (this->Ranks.GetRank() == 0 && !images.GetSpectra().empty())
-    {
-      isosurface::AddSpectrumColumns(images.GetSpectra(), this->Table);
-    }
-    return Status::Ok();
-  };
-  return isosurface::Attempt(NoSpectrum, fill);
+    status = isosurface::Attempt(NoSpectrum,
+      [&]
+      {
+        isosurface::AddSpectrumColumns(spectra.GetSpectra(), this->Table);
+        return Status::Ok();
+      });
+  }
+  return status;
 }
 
 //------------------------------------------------------------------------------
@@ -329,16 +299,18 @@ void vtkContourSpectrum::CountBeside(int samplesAtOnce)
 void vtkContourSpectrum::AdvanceCounting(int milliseconds)
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
-  const bool all = ranks.All(this->Counted != nullptr);
-  if (!all)
+  this->Refinement =
+    this->Images->Levels.Prepare(ranks, milliseconds / 1000.0, this->GetMTime()).ToValues();
+}
+
+//------------------------------------------------------------------------------
+void vtkContourSpectrum::TakeCounting()
+{
+  if (this->Images->Levels.Refine(this->GetMTime()))
   {
-    this->Counted.reset();
-    this->Refinement = MakeValues(RefinementStage::None, 0);
-    return;
+    this->Modified();
+    this->Images->Levels.KeepChange(this->GetMTime());
   }
-  const bool hasEnded = this->Counted->Work->Advance(ranks, milliseconds / 1000.0);
-  this->Refinement = MakeValues(hasEnded ? RefinementStage::Ready : RefinementStage::Working,
-    this->Counted->Work->GetProgress());
 }
 
 //------------------------------------------------------------------------------

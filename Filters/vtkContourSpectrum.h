@@ -101,8 +101,8 @@ public:
   ///@{
   /**
    * For windows, which must answer meanwhile. An execution over images of more samples than
-   * CountBeside() says begins to count beside the calling thread, and gives an empty table. Then
-   * AdvanceCounting() waits at most `milliseconds`; several ranks count only while all are in it.
+   * CountBeside() says gives an empty table. Then AdvanceCounting() has them counted beside the calling
+   * thread, and waits at most `milliseconds`; several ranks count only while all are in it.
    * Refinement has the values of Ranks/Query/Refinement.h, as the last call found them. When its
    * stage is Ready, TakeCounting() lets the next execution give the table. None of these is a
    * property; all ranks must call them. Default: everything is counted at once.
@@ -110,7 +110,7 @@ public:
   void CountBeside(int samplesAtOnce);
   void AdvanceCounting(int milliseconds);
   double* GetRefinement() VTK_SIZEHINT(10) { return this->Refinement.data(); }
-  void TakeCounting() { this->Modified(); }
+  void TakeCounting();
   ///@}
 
   ///@{
@@ -145,7 +145,7 @@ private:
   void operator=(const vtkContourSpectrum&) = delete;
 
   struct Steps; ///< of RequestData
-  struct Beside;
+  struct OfImages;
 
   int Component;
   int StoreQuantity;
@@ -157,7 +157,7 @@ private:
   bool ProposesAlone;
   double Proposal;
   std::string Unit;
-  std::unique_ptr<Beside> Counted; ///< null if nothing is counted beside
+  std::unique_ptr<OfImages> Images;
 };
 
 #endif

@@ -132,7 +132,8 @@ protected:
       contour->AllowCoarse(0);
       std::printf("%d reductions, %d gathers at %g\n", Reductions.load(), Gathers.load(), isovalue);
       most = std::max(most, Reductions.load());
-      EXPECT_GT(SumOverRanks(static_cast<std::uint64_t>(contour->GetOutput()->GetNumberOfCells())), 0u);
+      EXPECT_GT(
+        SumOverRanks(static_cast<std::uint64_t>(contour->GetOutput()->GetNumberOfCells())), 0u);
     }
     return most;
   }
@@ -163,8 +164,8 @@ INSTANTIATE_TEST_SUITE_P(MayBeCoarse, QueryCostOfAClick, testing::Bool());
 } // namespace
 
 // The symbols of a program come before those of its libraries.
-extern "C" __attribute__((visibility("default"))) int MPI_Allreduce(const void* mine, void* all,
-  int count, MPI_Datatype type, MPI_Op operation, MPI_Comm ranks)
+extern "C" __attribute__((visibility("default"))) int MPI_Allreduce(
+  const void* mine, void* all, int count, MPI_Datatype type, MPI_Op operation, MPI_Comm ranks)
 {
   ++Reductions;
   return PMPI_Allreduce(mine, all, count, type, operation, ranks);

@@ -141,8 +141,8 @@ StoredField::Extraction GrowingField::MakeExtraction(std::int64_t slices) const
   return [layers = this->Layers->Finished, slices](
            const ExtractionTask& task, int level, ExtractionOutcome& outcome)
   {
-    return RunExtraction(task, level, outcome,
-      [&] { return ExtractWithSeam(*layers, slices, task, level, outcome); });
+    return RunExtraction(
+      task, level, outcome, [&] { return ExtractWithSeam(*layers, slices, task, level, outcome); });
   };
 }
 

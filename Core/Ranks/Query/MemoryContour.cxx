@@ -230,8 +230,7 @@ Status MemoryContour::ExtractPieces(Communicator& ranks, const MemoryQuery& quer
   const Progress& progress, ExtractionOutcome& outcome)
 {
   Prepared prepared;
-  const Status status =
-    Attempt(NotContoured, [&] { return this->Prepare(query, prepared); });
+  const Status status = Attempt(NotContoured, [&] { return this->Prepare(query, prepared); });
   if (query.Request.Normals)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(

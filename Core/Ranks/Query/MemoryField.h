@@ -55,8 +55,8 @@ private:
   bool AreSeveral = false;                 ///< whether the ranks have more than one piece together
   std::optional<ExtractionOutcome> Probed; ///< the first surface, until it is taken
   int ProbedLevel = 0;
-  double ProbedTriangles = 0;                     ///< of all ranks
-  bool HasBegun = false; ///< whether all ranks have begun to prepare the exact surface
+  double ProbedTriangles = 0; ///< of all ranks
+  bool HasBegun = false;      ///< whether all ranks have begun to prepare the exact surface
   std::unique_ptr<BackgroundExtraction> Prepared; ///< uses Exact
 };
 

@@ -197,15 +197,66 @@ Result<std::vector<WorkloadSpectrum>> CountGrids(
 
 } // namespace
 
-std::uint64_t MemorySpectrum::ComputeFingerprint() const
+void MemorySpectrum::Ask(
+  MemoryGrids samples, int component, int threads, std::uint64_t samplesAtOnce)
 {
   Fingerprint fingerprint;
-  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Component));
-  fingerprint.AddNumber(this->Samples.ComputeFingerprint());
-  return fingerprint.Get();
+  fingerprint.AddNumber(static_cast<std::uint64_t>(component));
+  fingerprint.AddNumber(samples.ComputeFingerprint());
+  this->Same = std::exchange(this->Identity, fingerprint.Get()) == fingerprint.Get();
+  this->SamplesAtOnce = samplesAtOnce;
+  if (!this->Same)
+  {
+    this->DropPrepared();
+    this->AreCounted = false;
+  }
+  if (!this->Work)
+  {
+    this->Samples = std::move(samples);
+    this->Component = component;
+    this->Threads = threads;
+  }
+}
+
+Result<Field::First> MemorySpectrum::FindFirst(Communicator& ranks, int finest)
+{
+  const std::uint64_t left = ranks.Sum(this->AreCounted ? 0 : this->Samples.CountSamples());
+  return First{ left > this->SamplesAtOnce ? 1 : finest, true };
+}
+
+Status MemorySpectrum::Prepare(Communicator& ranks, int)
+{
+  return Attempt(NotCounted,
+    [&]
+    {
+      this->Work = std::make_unique<CollectiveTask>(ranks, NotCounted,
+        [this](Communicator& all, const Progress& advance)
+        { return this->CountSamples(all, advance); });
+      return Status::Ok();
+    });
 }
 
 Status MemorySpectrum::Count(Communicator& ranks, const Progress& progress)
+{
+  std::vector<std::uint64_t> are = { this->AreCounted ? 1U : 0U, this->Work ? 1U : 0U };
+  ranks.ReduceMinimum(are);
+  auto work = std::move(this->Work);
+  Status status;
+  if (are[0] == 0 && are[1] != 0)
+  {
+    status = work->Finish(ranks, progress);
+  }
+  else if (are[0] == 0)
+  {
+    work.reset(); // another rank has none
+    status = this->CountSamples(ranks, progress);
+  }
+  this->AreCounted = status.IsOk();
+  this->Samples = {};
+  return status;
+}
+
+Status MemorySpectrum::CountSamples(Communicator& ranks, const Progress& progress)
 {
   std::vector<ChosenScalars> chosen;
   std::vector<SampleView> scalars;
@@ -220,6 +271,7 @@ Status MemorySpectrum::Count(Communicator& ranks, const Progress& progress)
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, choose));
   ISOSURFACE_ASSIGN_OR_RETURN(const auto type, FindType(ranks, scalars));
+  this->Spectra.clear();
   if (!type)
   {
     return Status::Ok();
@@ -235,7 +287,7 @@ Status MemorySpectrum::Count(Communicator& ranks, const Progress& progress)
   return Status::Ok();
 }
 
-Result<double> MemorySpectrum::Propose(Communicator& ranks) const
+Result<double> MemorySpectrum::Propose(Communicator& ranks)
 {
   const int level = FindProposalLevel(this->Samples.Grids);
   std::vector<double> samples;
@@ -257,7 +309,12 @@ Result<double> MemorySpectrum::Propose(Communicator& ranks) const
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCounted, collect));
+  const Status collected = Attempt(NotCounted, collect);
+  if (!this->Work)
+  {
+    this->Samples = {};
+  }
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(collected));
   return ProposeOfSamples(ranks, samples);
 }
 

@@ -35,8 +35,8 @@ public:
   /// Collective. Cost: a box of each piece to all ranks, and the samples of the layers, a byte more
   /// for each. `prepared`: whether this rank has `pieces`. Errors of any rank: that, and OutOfMemory, before
   /// any samples are sent.
-  static Result<PieceLayers> Collect(Communicator& ranks, const Status& prepared,
-    const std::vector<LayeredPiece>& pieces);
+  static Result<PieceLayers> Collect(
+    Communicator& ranks, const Status& prepared, const std::vector<LayeredPiece>& pieces);
 
   /// Makes room for `pieces` pieces without layers.
   void Resize(std::size_t pieces) { this->Layers.resize(pieces); }

@@ -69,7 +69,8 @@ std::vector<std::size_t> FindFields(const std::vector<Image>& images)
             mine.push_back(images[n].Get());
           }
         }
-        const auto fields = Require(PieceFields::Find(ranks, [&] { return mine; }, 1));
+        const auto fields = Require(PieceFields::Find(
+          ranks, [&] { return mine; }, 1));
         for (std::size_t n = 0; n < mine.size(); ++n)
         {
           found[places[n]] = fields.Numbers[n];
@@ -166,7 +167,13 @@ TEST(PieceFields, OtherTypesAreOtherFields)
       right.Whole = Right;
       right.Components = { MakeSampleView(ValueType::Int32, Right, integers.data()) };
       EXPECT_EQ(Require(PieceFields::Find(
-        ranks, [&] { return std::vector<FieldPiece>{ left.Get(), right }; }, 1)).Fields.size(), 2U);
+                          ranks,
+                          [&] {
+                            return std::vector<FieldPiece>{ left.Get(), right };
+                          },
+                          1))
+                  .Fields.size(),
+        2U);
     });
 }
 
@@ -178,7 +185,11 @@ TEST(PieceFields, EachCellOfAFieldBelongsToItsFirstPiece)
     [&](Communicator& ranks)
     {
       const auto fields = Require(PieceFields::Find(
-        ranks, [&] { return std::vector<FieldPiece>{ first.Get(), second.Get() }; }, 1));
+        ranks,
+        [&] {
+          return std::vector<FieldPiece>{ first.Get(), second.Get() };
+        },
+        1));
       ASSERT_EQ(fields.Fields.size(), 1U);
       EXPECT_EQ(fields.Fields[0].Box, (VertexBox{ { 0, 0, 0 }, { 9, 6, 4 } }));
       EXPECT_EQ(fields.Boxes[0], std::vector<VertexBox>{ Left });
