@@ -225,17 +225,13 @@ Status ContourExecution::AgreeOnQuery(const VolumeInput& input, Communicator& ra
 std::uint64_t ContourExecution::ComputeFingerprint(
   const SurfaceQuery& query, const ContourBlocks* blocks)
 {
+  vtkStabbingContour& contour = this->Contour;
   Fingerprint fingerprint;
-  fingerprint.AddNumber(query.Variable);
   fingerprint.AddText(this->GetArrayToContour());
-  fingerprint.AddNumber(static_cast<std::uint64_t>(
-    this->Contour.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION())));
-  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetComponent()));
-  const int arrays = this->Contour.GetNumberOfInterpolatedArrays();
-  fingerprint.AddNumber(static_cast<std::uint64_t>(arrays));
+  const int arrays = contour.GetNumberOfInterpolatedArrays();
   for (int n = 0; n < arrays; ++n)
   {
-    fingerprint.AddText(this->Contour.GetInterpolatedArray(n));
+    fingerprint.AddText(contour.GetInterpolatedArray(n));
   }
   fingerprint.AddReals(this->MakeRequest().Isovalues);
   const Region region = this->MakeRegion();
@@ -244,23 +240,24 @@ std::uint64_t ContourExecution::ComputeFingerprint(
     fingerprint.AddReals(halfSpace.Normal);
     fingerprint.AddReal(halfSpace.Offset);
   }
-  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetLevel()));
-  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumTriangles()));
-  fingerprint.AddReal(this->Contour.GetTimeBudget());
-  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetOutputPointsPrecision()));
-  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetIslandSize()));
-  fingerprint.AddReal(this->Contour.GetMinimumIslandSize());
-  fingerprint.AddNumber(static_cast<std::uint64_t>(this->Contour.GetMaximumIslands()));
-  const double* point = this->Contour.GetIslandPoint();
-  fingerprint.AddReals(std::array<double, 3>{ point[0], point[1], point[2] });
-  for (const bool is :
-    { this->Contour.GetComputeNormals() != 0, this->Contour.GetComputeScalars() != 0,
-      this->Contour.GetGenerateTriangles() != 0, this->Contour.GetDropDegenerateTriangles() != 0,
-      this->Contour.GetProgressive() != 0, this->Contour.GetCloseBoundary() != 0,
-      this->Contour.GetInside() == vtkStabbingContour::BELOW,
-      this->Contour.GetSkipNotANumber() != 0, this->Contour.GetDynamicBalance() != 0,
-      this->Contour.GetUseIslandPoint() != 0, this->Contour.GetComputeIslandIds() != 0,
-      this->CoarseAllowed, blocks && blocks->Normals, blocks && blocks->Attributes })
+  const double* point = contour.GetIslandPoint();
+  fingerprint.AddReals(std::array<double, 5>{
+    contour.GetTimeBudget(), contour.GetMinimumIslandSize(), point[0], point[1], point[2] });
+  for (const vtkIdType number : { static_cast<vtkIdType>(query.Variable), vtkIdType{ arrays },
+         vtkIdType{ contour.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION()) },
+         vtkIdType{ contour.GetComponent() }, vtkIdType{ contour.GetLevel() },
+         contour.GetMaximumTriangles(), vtkIdType{ contour.GetOutputPointsPrecision() },
+         vtkIdType{ contour.GetIslandSize() }, contour.GetMaximumIslands() })
+  {
+    fingerprint.AddNumber(static_cast<std::uint64_t>(number));
+  }
+  for (const bool is : { contour.GetComputeNormals() != 0, contour.GetComputeScalars() != 0,
+         contour.GetGenerateTriangles() != 0, contour.GetDropDegenerateTriangles() != 0,
+         contour.GetProgressive() != 0, contour.GetCloseBoundary() != 0,
+         contour.GetInside() == vtkStabbingContour::BELOW, contour.GetSkipNotANumber() != 0,
+         contour.GetDynamicBalance() != 0, contour.GetUseIslandPoint() != 0,
+         contour.GetComputeIslandIds() != 0, this->CoarseAllowed, blocks && blocks->Normals,
+         blocks && blocks->Attributes })
   {
     fingerprint.AddNumber(is ? 1 : 0);
   }

@@ -76,13 +76,7 @@ struct vtkContourSpectrum::OfImages
 
 //------------------------------------------------------------------------------
 vtkContourSpectrum::vtkContourSpectrum()
-  : Component(0)
-  , StoreQuantity(-1)
-  , NumberOfThreads(0)
-  , Controller(nullptr)
-  , SamplesAtOnce(VTK_INT_MAX)
-  , Refinement(isosurface::Refinement().ToValues())
-  , ProposesAlone(false)
+  : Refinement(isosurface::Refinement().ToValues())
   , Proposal(std::numeric_limits<double>::quiet_NaN())
   , Images(std::make_unique<OfImages>())
 {

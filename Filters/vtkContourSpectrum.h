@@ -147,14 +147,14 @@ private:
   struct Steps; ///< of RequestData
   struct OfImages;
 
-  int Component;
-  int StoreQuantity;
-  int NumberOfThreads;
-  vtkMultiProcessController* Controller;
+  int Component = 0;
+  int StoreQuantity = -1;
+  int NumberOfThreads = 0;
+  vtkMultiProcessController* Controller = nullptr;
   vtkNew<vtkDoubleArray> Spectrum;
-  int SamplesAtOnce;
+  int SamplesAtOnce = VTK_INT_MAX;
   std::array<double, 10> Refinement;
-  bool ProposesAlone;
+  bool ProposesAlone = false;
   double Proposal;
   std::string Unit;
   std::unique_ptr<OfImages> Images;

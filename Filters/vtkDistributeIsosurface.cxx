@@ -150,15 +150,6 @@ struct vtkDistributeIsosurface::Steps
 
 //------------------------------------------------------------------------------
 vtkDistributeIsosurface::vtkDistributeIsosurface()
-  : Mode(LOSSLESS)
-  , MaximumError(0.05)
-  , Profile(WORKING)
-  , NormalError(0.01)
-  , ArrayError(0)
-  , DrawingRanks(0)
-  , RoundBytes(vtkIdType{ 4 } << 20)
-  , NumberOfThreads(0)
-  , Controller(nullptr)
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }

@@ -144,15 +144,15 @@ private:
 
   struct Steps; ///< of RequestData
 
-  int Mode;
-  double MaximumError;
-  int Profile;
-  double NormalError;
-  double ArrayError;
-  int DrawingRanks;
-  vtkIdType RoundBytes;
-  int NumberOfThreads;
-  vtkMultiProcessController* Controller;
+  int Mode = LOSSLESS;
+  double MaximumError = 0.05;
+  int Profile = WORKING;
+  double NormalError = 0.01;
+  double ArrayError = 0;
+  int DrawingRanks = 0;
+  vtkIdType RoundBytes = vtkIdType{ 4 } << 20;
+  int NumberOfThreads = 0;
+  vtkMultiProcessController* Controller = nullptr;
 };
 
 #endif

@@ -170,8 +170,6 @@ struct vtkVolumeProbe::Steps
 
 //------------------------------------------------------------------------------
 vtkVolumeProbe::vtkVolumeProbe()
-  : Interpolation(LINEAR)
-  , Controller(nullptr)
 {
   this->SetNumberOfInputPorts(2);
   this->SetController(vtkMultiProcessController::GetGlobalController());

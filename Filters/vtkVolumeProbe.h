@@ -84,8 +84,8 @@ private:
 
   struct Steps; ///< of RequestData
 
-  int Interpolation;
-  vtkMultiProcessController* Controller;
+  int Interpolation = LINEAR;
+  vtkMultiProcessController* Controller = nullptr;
 };
 
 #endif

@@ -95,11 +95,7 @@ struct vtkVolumeRegion::Steps
 
 //------------------------------------------------------------------------------
 vtkVolumeRegion::vtkVolumeRegion()
-  : Position{ 0, 0, 0 }
-  , Length{ 1, 1, 1 }
-  , MemoryLimit(1024)
-  , Controller(nullptr)
-  , Internals(std::make_unique<Steps>(*this))
+  : Internals(std::make_unique<Steps>(*this))
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }

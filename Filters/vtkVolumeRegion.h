@@ -84,10 +84,10 @@ private:
 
   struct Steps; ///< of the requests
 
-  double Position[3];
-  double Length[3];
-  int MemoryLimit;
-  vtkMultiProcessController* Controller;
+  double Position[3] = { 0, 0, 0 };
+  double Length[3] = { 1, 1, 1 };
+  int MemoryLimit = 1024;
+  vtkMultiProcessController* Controller = nullptr;
   std::unique_ptr<Steps> Internals;
 };
 

@@ -144,12 +144,7 @@ struct vtkVolumeSlice::Steps
 
 //------------------------------------------------------------------------------
 vtkVolumeSlice::vtkVolumeSlice()
-  : Origin{ 0, 0, 0 }
-  , Normal{ 0, 0, 1 }
-  , Interpolation(LINEAR)
-  , MaximumPoints(16)
-  , Refinement(isosurface::Refinement().ToValues())
-  , Controller(nullptr)
+  : Refinement(isosurface::Refinement().ToValues())
   , Internals(std::make_unique<Steps>(*this))
 {
   this->SetNumberOfOutputPorts(2);

@@ -143,14 +143,14 @@ private:
 
   struct Steps; ///< of the requests
 
-  double Origin[3];
-  double Normal[3];
-  int Interpolation;
-  double MaximumPoints;
+  double Origin[3] = { 0, 0, 0 };
+  double Normal[3] = { 0, 0, 1 };
+  int Interpolation = LINEAR;
+  double MaximumPoints = 16;
   vtkNew<vtkContourValues> Isovalues;
   std::string IsolineArray;
   std::array<double, 10> Refinement;
-  vtkMultiProcessController* Controller;
+  vtkMultiProcessController* Controller = nullptr;
   std::unique_ptr<Steps> Internals;
 };
 
