@@ -305,23 +305,7 @@ Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const Surfa
     [&] { return this->ExtractOnce(input, task, outcome); });
   ReportWarning(&this->Contour, ranks, status, warning);
   return this->ChooseIslands(
-    ranks, status,
-    [&]
-    {
-      BlockedVolume& volume = *task.Volume;
-      const int level = outcome.Cost.Level;
-      const StoredLevel stored = volume.FindLevel(level);
-      const GridGeometry grid = volume.GetHeader().Grid.Coarsen(level);
-      IslandGrids grids;
-      grids.Bounds = TriangleBounds::Of(grid, volume.GetLines(level));
-      grids.Shared.emplace_back(grid, task.Request);
-      if (ranks.GetSize() > 1)
-      {
-        grids.Shared.back().AddFacesOfBlocks(stored.Grid->GetBlockSize() >> stored.Level);
-      }
-      return grids;
-    },
-    outcome);
+    ranks, status, [&] { return MakeIslandGrids(task, outcome.Cost.Level, ranks); }, outcome);
 }
 
 Status ContourExecution::ChooseIslands(Communicator& ranks, const Status& extracted,

@@ -53,9 +53,13 @@ Status KeepIslands(Communicator& ranks, const ExtractionTask& task, int level,
   IslandRequest islands, Surface& surface)
 {
   islands.Level = level;
-  const GridGeometry grid = task.Volume->GetHeader().Grid.Coarsen(level);
-  const IslandGrids grids{ TriangleBounds::Of(grid, task.Volume->GetLines(level)),
-    { SharedPlanes(grid, task.Request) } };
+  IslandGrids grids;
+  const auto make = [&]
+  {
+    grids = MakeIslandGrids(task, level, ranks);
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForIslands, make));
   ChosenIslands unused;
   return ChooseIslands(ranks, islands, grids, task.Threads, surface, unused);
 }

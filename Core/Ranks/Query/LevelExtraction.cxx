@@ -83,4 +83,19 @@ Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& ou
   return status;
 }
 
+IslandGrids MakeIslandGrids(const ExtractionTask& task, int level, const Communicator& ranks)
+{
+  BlockedVolume& volume = *task.Volume;
+  const StoredLevel stored = volume.FindLevel(level);
+  const GridGeometry grid = volume.GetHeader().Grid.Coarsen(level);
+  IslandGrids grids;
+  grids.Bounds = TriangleBounds::Of(grid, volume.GetLines(level));
+  grids.Shared.emplace_back(grid, task.Request);
+  if (ranks.GetSize() > 1)
+  {
+    grids.Shared.back().AddFacesOfBlocks(stored.Grid->GetBlockSize() >> stored.Level);
+  }
+  return grids;
+}
+
 } // namespace isosurface

@@ -5,6 +5,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ranks/Islands/IslandChoice.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/QueryStatistics.h"
@@ -59,6 +60,9 @@ Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& ou
 /// extractions at a level. A lack of memory is an error of the volume.
 Status RunExtraction(const ExtractionTask& task, int level, ExtractionOutcome& outcome,
   const std::function<Status()>& extract);
+
+/// The grid of that surface, whose pieces on several ranks meet at the faces of blocks.
+IslandGrids MakeIslandGrids(const ExtractionTask& task, int level, const Communicator& ranks);
 
 } // namespace isosurface
 

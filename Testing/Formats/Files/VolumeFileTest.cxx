@@ -6,11 +6,13 @@
 #include "Fixtures/SampleFiles.h"
 #include "Fixtures/ScratchFolder.h"
 #include "Fixtures/TriangleSet.h"
+#include "Fixtures/VolumeOnDisk.h"
 #include "Formats/Files/SurfaceFile.h"
 #include "Formats/Files/SurfaceQueries.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Ground/Base/Communicator.h"
 
+#include <atomic>
 #include <fstream>
 
 using namespace isosurface;
@@ -80,6 +82,44 @@ TEST(VolumeFile, FileItsIndexAndItsCopyGiveTheSameSamplesCostAndSurface)
   Require(WriteSourceIndex(alone, GetLocalFileSystem(), index, std::uint64_t{ 64 } << 20));
   check(name, 2);
   check(index.Path, 2);
+}
+
+TEST(VolumeFile, AnIslandOfSeveralRanksIsOne)
+{
+  const ScratchFolder folder;
+  // A ball in many blocks, and a smaller one.
+  const SampleVolume<std::uint8_t> volume({ 60, 50, 40 },
+    [](auto i, auto j, auto k)
+    {
+      const auto large = (i - 25) * (i - 25) + (j - 25) * (j - 25) + (k - 20) * (k - 20);
+      const auto small = (i - 52) * (i - 52) + (j - 8) * (j - 8) + (k - 8) * (k - 8);
+      return static_cast<std::uint8_t>(large < 300 || small < 30 ? 200 : 0);
+    });
+  SerialCommunicator alone;
+  const PieceOfVolume<std::uint8_t> whole(volume, { { 0, 0, 0 }, volume.GetDimensions() });
+  VolumePiece piece;
+  piece.Box = { { 0, 0, 0 }, volume.GetDimensions() };
+  piece.Arrays = { whole.View };
+  Require(BlockedVolumeWriter(alone).Write(folder / "balls.bvol", volume.Geometry,
+    { { "density", ValueType::UInt8, 1 } }, piece, MakeSettings(16, 1)));
+  const auto count = [&](int size)
+  {
+    std::atomic<std::size_t> triangles{ 0 };
+    ThreadCommunicator::Run(size,
+      [&](Communicator& ranks)
+      {
+        const auto file = Require(VolumeFile::Open(folder / "balls.bvol"));
+        SurfaceRequest request;
+        request.Isovalues = { 100 };
+        request.Ranks = &ranks;
+        request.Islands.emplace().MaximumIslands = 1;
+        std::string warning;
+        triangles += Require(ExtractSurface(*file, {}, request, {}, warning)).NumberOfTriangles;
+      });
+    return triangles.load();
+  };
+  EXPECT_GT(count(1), 1000U);
+  EXPECT_EQ(count(3), count(1));
 }
 
 TEST(VolumeFile, WhatIsNoVolumeIsRefusedByName)
