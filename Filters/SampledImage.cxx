@@ -321,16 +321,14 @@ void SampledImage::AllowCoarse(bool isAllowed)
   this->CoarseAllowed = isAllowed;
 }
 
-int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output,
-  vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan)
+int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output)
 {
   vtkInformation* outInfo = output->GetInformationObject(0);
   const VolumeInput input(inInfo);
+  const ControllerCommunicator ranks(this->GetController());
   // The extent of an image cannot be told later.
   if (input && input.GetHandle().IsUntried() &&
-    !this->Filter.GetInputAlgorithm(0, 0)->UpdatePiece(
-      controller ? controller->GetLocalProcessId() : 0,
-      controller ? controller->GetNumberOfProcesses() : 1, 0))
+    !this->Filter.GetInputAlgorithm(0, 0)->UpdatePiece(ranks.GetRank(), ranks.GetSize(), 0))
   {
     // On all ranks. To go on would execute the input again, which would tell its error twice.
     vtkDataObject::GetData(outInfo)->Initialize();
@@ -345,12 +343,12 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output
   this->IsOnlyTold = false;
   if (input && input.GetVolume())
   {
-    const bool isNew = SumSource(input, properties) != this->Source;
+    const bool isNew = this->SumSource(input) != this->Source;
     this->IsOnlyTold = isNew;
     const auto make = [&]() -> Status
     {
       ISOSURFACE_ASSIGN_OR_RETURN(auto planned,
-        plan(*input.GetVolume(), input.GetHandle().GetArrays(),
+        this->Plan(*input.GetVolume(), input.GetHandle().GetArrays(),
           isNew ? this->CoarseAllowed : !this->Levels.IsNextFinest()));
       this->Text = Describe(planned, input);
       image = std::move(planned);
@@ -373,28 +371,25 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output
   return 1;
 }
 
-bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
-  vtkInformationVector* output, vtkMultiProcessController* controller, std::uint64_t properties,
-  const Planner& plan, int& result)
+bool SampledImage::Make(
+  vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output, int& result)
 {
   vtkInformation* outInfo = output->GetInformationObject(0);
   vtkDataObject::GetData(outInfo)->Initialize();
   const VolumeInput input(inInfo);
-  ControllerCommunicator ranks(controller);
-  this->Source = SumSource(input, properties);
+  ControllerCommunicator ranks(this->GetController());
+  this->Source = this->SumSource(input);
   this->IsOnlyTold = false;
   int level = 0;
-  Status status = AgreeOnVolume(this->Filter, ranks, input, properties);
+  Status status = AgreeOnVolume(this->Filter, ranks, input, this->SumProperties());
   if (status.IsOk())
   {
     const int threads = ranks.ChooseThreads(0);
-    const auto describe = [&](const ImagePlan& image)
-    { return this->DescribePart(input, FindPart(image, request, output), threads, image); };
     RefinementRequest wanted;
     wanted.MayBeCoarse = this->CoarseAllowed;
     wanted.Change = this->Source;
     const auto choice =
-      this->Levels.Begin(ranks, *this->Image, wanted, this->Ask(input, plan, describe));
+      this->Levels.Begin(ranks, *this->Image, wanted, this->Ask(input, request, output, threads));
     status = choice.GetStatus();
     level = choice.IsOk() ? choice->Level : 0;
   }
@@ -415,25 +410,27 @@ bool SampledImage::Make(vtkInformation* request, vtkInformation* inInfo,
   return status.IsOk();
 }
 
-Status SampledImage::Ask(const VolumeInput& input, const Planner& plan,
-  const std::function<PartPointer(const ImagePlan&)>& describe)
+Status SampledImage::Ask(
+  const VolumeInput& input, vtkInformation* request, vtkInformationVector* output, int threads)
 {
   const auto ask = [&]() -> Status
   {
     const BlockedVolume& volume = *input.GetVolume();
     const std::vector<std::size_t> arrays = input.GetHandle().GetArrays();
-    ISOSURFACE_ASSIGN_OR_RETURN(const auto exact, plan(volume, arrays, false));
-    ISOSURFACE_ASSIGN_OR_RETURN(const auto coarse, plan(volume, arrays, true));
+    const auto describe = [&](const ImagePlan& image)
+    { return this->DescribePart(input, FindPart(image, request, output), threads, image); };
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto exact, this->Plan(volume, arrays, false));
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto coarse, this->Plan(volume, arrays, true));
     this->Image->Ask(describe(exact), IsSame(exact, coarse) ? nullptr : describe(coarse));
     return Status::Ok();
   };
   return Attempt(NotRead, ask);
 }
 
-std::uint64_t SampledImage::SumSource(const VolumeInput& input, std::uint64_t properties)
+std::uint64_t SampledImage::SumSource(const VolumeInput& input) const
 {
   Fingerprint source;
-  source.AddNumber(properties);
+  source.AddNumber(this->SumProperties());
   if (input && input.GetVolume())
   {
     source.AddNumber(reinterpret_cast<std::uintptr_t>(input.GetVolume().get()));
@@ -515,9 +512,9 @@ void SampledImage::DropRefinement()
   this->Levels.DropPrepared();
 }
 
-Refinement SampledImage::PrepareRefinement(vtkMultiProcessController* controller, double seconds)
+Refinement SampledImage::PrepareRefinement(double seconds)
 {
-  ControllerCommunicator ranks(controller);
+  ControllerCommunicator ranks(this->GetController());
   return this->Levels.Prepare(ranks, seconds, this->Source);
 }
 

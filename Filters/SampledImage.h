@@ -61,26 +61,18 @@ struct ImagePlan
 class SampledImage
 {
 public:
-  /// What to make of a volume; the arrays are those that are read. `isCoarse`: at once, if the exact
-  /// image takes long. Errors: nothing of the volume is wanted.
-  using Planner = std::function<Result<ImagePlan>(
-    const BlockedVolume&, const std::vector<std::size_t>& arrays, bool isCoarse)>;
-
   explicit SampledImage(vtkAlgorithm& filter);
-  ~SampledImage();
+  virtual ~SampledImage();
 
   /// Tells the pipeline the image's extent and place. Collective if the input's volume is made by
   /// its first update, as an index in place is: then that is done. Returns what RequestInformation
   /// returns: 0 after an error of that update.
-  int TellImage(vtkInformation* inInfo, vtkInformationVector* output,
-    vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan);
+  int TellImage(vtkInformation* inInfo, vtkInformationVector* output);
 
-  /// RequestData: fills the first output. `properties`: a checksum of those of the filter. False if
-  /// there was an error, which is reported, or a stop: then the output is empty, and the caller
-  /// returns `result`. Collective.
-  bool Make(vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output,
-    vtkMultiProcessController* controller, std::uint64_t properties, const Planner& plan,
-    int& result);
+  /// RequestData: fills the first output. False if there was an error, which is reported, or a stop: then
+  /// the output is empty, and the caller returns `result`. Collective.
+  bool Make(
+    vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output, int& result);
 
   /// What the image is, once the pipeline's information is up to date.
   const std::string& GetText() const { return this->Text; }
@@ -91,26 +83,34 @@ public:
   /// Whether the last image was exact, or failed.
   bool IsFinal() const { return this->Final; }
   /// Begins to make the exact image, or waits for it, but not longer than this. Collective.
-  Refinement PrepareRefinement(vtkMultiProcessController* controller, double seconds);
+  Refinement PrepareRefinement(double seconds);
   /// Stops that.
   void DropRefinement();
   /// Makes the next execution exact; false if the last one was.
   bool Refine();
 
+protected:
+  virtual vtkMultiProcessController* GetController() const = 0;
+  /// A checksum of the filter's properties.
+  virtual std::uint64_t SumProperties() const = 0;
+  /// What to make of a volume; the arrays are those that are read. `isCoarse`: at once, if the exact
+  /// image takes long. Errors: nothing of the volume is wanted.
+  virtual Result<ImagePlan> Plan(
+    const BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool isCoarse) const = 0;
+
 private:
   struct Part;
-  using PartPointer = std::unique_ptr<Part>;
   class Parts;
 
   /// What an image is made of; the filter's properties aside, the same on all ranks.
-  static std::uint64_t SumSource(const VolumeInput& input, std::uint64_t properties);
-  /// Plans the exact image and the coarse one. Not collective.
-  Status Ask(const VolumeInput& input, const Planner& plan,
-    const std::function<PartPointer(const ImagePlan&)>& describe);
+  std::uint64_t SumSource(const VolumeInput& input) const;
+  /// Plans the exact image and the coarse one, and the parts that are asked for of them. Not collective.
+  Status Ask(
+    const VolumeInput& input, vtkInformation* request, vtkInformationVector* output, int threads);
   Status FillOutput(
     const VolumeInput& input, int level, vtkInformation* inInfo, vtkInformation* outInfo);
   /// A part to fill, with the samples of its level, if they are known.
-  PartPointer DescribePart(
+  std::unique_ptr<Part> DescribePart(
     const VolumeInput& input, const VertexBox& box, int threads, const ImagePlan& plan) const;
   /// Keeps the samples of a level for the next time.
   void KeepSamples(const std::shared_ptr<const LevelSamples>& samples);

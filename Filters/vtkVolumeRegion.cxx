@@ -74,23 +74,23 @@ std::uint64_t CountBytesOfSample(
 
 } // namespace
 
-struct vtkVolumeRegion::Steps
+struct vtkVolumeRegion::Steps : isosurface::SampledImage
 {
   explicit Steps(vtkVolumeRegion& filter)
-    : Filter(filter)
-    , Image(filter)
+    : SampledImage(filter)
+    , Filter(filter)
   {
   }
 
-  vtkVolumeRegion& Filter;
-  isosurface::SampledImage Image;
-
-  std::uint64_t SumProperties() const;
+  vtkMultiProcessController* GetController() const override { return this->Filter.Controller; }
+  std::uint64_t SumProperties() const override;
+  /// The finest level that keeps the memory limit.
+  Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume,
+    const std::vector<std::size_t>& arrays, bool) const override;
   /// The vertices of full resolution around the box; empty if it is beside the volume.
   VertexBox FindVertices(const isosurface::BlockedVolume& volume) const;
-  /// The finest level that keeps the memory limit.
-  Result<ImagePlan> Plan(
-    const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays);
+
+  vtkVolumeRegion& Filter;
 };
 
 //------------------------------------------------------------------------------
@@ -116,7 +116,7 @@ int vtkVolumeRegion::FillInputPortInformation(int, vtkInformation* info)
 //------------------------------------------------------------------------------
 const char* vtkVolumeRegion::GetShownText()
 {
-  return this->Internals->Image.GetText().c_str();
+  return this->Internals->GetText().c_str();
 }
 
 //------------------------------------------------------------------------------
@@ -135,10 +135,7 @@ int vtkVolumeRegion::RequestDataObject(
 int vtkVolumeRegion::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  return this->Internals->Image.TellImage(input[0]->GetInformationObject(0), output,
-    this->Controller, this->Internals->SumProperties(),
-    [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool)
-    { return this->Internals->Plan(volume, arrays); });
+  return this->Internals->TellImage(input[0]->GetInformationObject(0), output);
 }
 
 //------------------------------------------------------------------------------
@@ -153,13 +150,8 @@ int vtkVolumeRegion::RequestUpdateExtent(
 int vtkVolumeRegion::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
-  Steps& steps = *this->Internals;
   int result = 0;
-  steps.Image.Make(
-    request, input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
-    [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool)
-    { return steps.Plan(volume, arrays); },
-    result);
+  this->Internals->Make(request, input[0]->GetInformationObject(0), output, result);
   return result;
 }
 
@@ -192,7 +184,7 @@ VertexBox vtkVolumeRegion::Steps::FindVertices(const isosurface::BlockedVolume& 
 
 //------------------------------------------------------------------------------
 Result<ImagePlan> vtkVolumeRegion::Steps::Plan(
-  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
+  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool) const
 {
   const int ranks = this->Filter.Controller ? this->Filter.Controller->GetNumberOfProcesses() : 1;
   const auto bytesOfSample = static_cast<double>(CountBytesOfSample(volume, arrays));

@@ -123,23 +123,24 @@ void PlaceInWorld(vtkImageData* image, vtkPolyData* lines)
 
 } // namespace
 
-struct vtkVolumeSlice::Steps
+struct vtkVolumeSlice::Steps : isosurface::SampledImage
 {
   explicit Steps(vtkVolumeSlice& filter)
-    : Filter(filter)
-    , Image(filter)
+    : SampledImage(filter)
+    , Filter(filter)
   {
   }
 
-  vtkVolumeSlice& Filter;
-  isosurface::SampledImage Image;
-
-  std::uint64_t SumProperties() const;
-  /// The isolines of an array of the image, without those in cells with a hidden point.
-  void MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const;
+  vtkMultiProcessController* GetController() const override { return this->Filter.Controller; }
+  std::uint64_t SumProperties() const override;
   /// The plane at the finest level that has few enough points, or, if it may be coarse, at one that
   /// is soon there.
-  Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume, bool isCoarse) const;
+  Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&,
+    bool isCoarse) const override;
+  /// The isolines of an array of the image, without those in cells with a hidden point.
+  void MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const;
+
+  vtkVolumeSlice& Filter;
 };
 
 //------------------------------------------------------------------------------
@@ -197,25 +198,25 @@ vtkMTimeType vtkVolumeSlice::GetMTime()
 //------------------------------------------------------------------------------
 const char* vtkVolumeSlice::GetShownText()
 {
-  return this->Internals->Image.GetText().c_str();
+  return this->Internals->GetText().c_str();
 }
 
 //------------------------------------------------------------------------------
 void vtkVolumeSlice::AllowCoarse(vtkTypeBool allowed)
 {
-  this->Internals->Image.AllowCoarse(allowed != 0);
+  this->Internals->AllowCoarse(allowed != 0);
 }
 
 //------------------------------------------------------------------------------
 int vtkVolumeSlice::GetFinal()
 {
-  return this->Internals->Image.IsFinal() ? 1 : 0;
+  return this->Internals->IsFinal() ? 1 : 0;
 }
 
 //------------------------------------------------------------------------------
 void vtkVolumeSlice::Refine()
 {
-  if (this->Internals->Image.Refine())
+  if (this->Internals->Refine())
   {
     this->Modified();
   }
@@ -225,14 +226,13 @@ void vtkVolumeSlice::Refine()
 void vtkVolumeSlice::PrepareRefinement(int milliseconds)
 {
   this->Refinement =
-    this->Internals->Image.PrepareRefinement(this->Controller, std::max(0, milliseconds) / 1000.0)
-      .ToValues();
+    this->Internals->PrepareRefinement(std::max(0, milliseconds) / 1000.0).ToValues();
 }
 
 //------------------------------------------------------------------------------
 void vtkVolumeSlice::DropRefinement()
 {
-  this->Internals->Image.DropRefinement();
+  this->Internals->DropRefinement();
 }
 
 //------------------------------------------------------------------------------
@@ -240,10 +240,7 @@ int vtkVolumeSlice::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   output->GetInformationObject(1)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  return this->Internals->Image.TellImage(input[0]->GetInformationObject(0), output,
-    this->Controller, this->Internals->SumProperties(),
-    [this](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse)
-    { return this->Internals->Plan(volume, isCoarse); });
+  return this->Internals->TellImage(input[0]->GetInformationObject(0), output);
 }
 
 //------------------------------------------------------------------------------
@@ -264,11 +261,7 @@ int vtkVolumeSlice::RequestData(
   auto* isolines = vtkPolyData::GetData(output, 1);
   isolines->Initialize();
   int result = 0;
-  const bool isMade = steps.Image.Make(
-    request, input[0]->GetInformationObject(0), output, this->Controller, steps.SumProperties(),
-    [&](const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse)
-    { return steps.Plan(volume, isCoarse); },
-    result);
+  const bool isMade = steps.Make(request, input[0]->GetInformationObject(0), output, result);
   auto* image = vtkImageData::GetData(output, 0);
   if (!isMade || this->Isovalues->GetNumberOfContours() == 0)
   {
@@ -356,7 +349,7 @@ std::uint64_t vtkVolumeSlice::Steps::SumProperties() const
 
 //------------------------------------------------------------------------------
 Result<ImagePlan> vtkVolumeSlice::Steps::Plan(
-  const isosurface::BlockedVolume& volume, bool isCoarse) const
+  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse) const
 {
   isosurface::Plane plane;
   std::copy_n(this->Filter.Origin, 3, plane.Origin.begin());
