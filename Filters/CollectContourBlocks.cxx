@@ -3,7 +3,6 @@
 
 #include "ContourExecution.h"
 #include "ErrorReport.h"
-#include "vtkBlockedVolumeHandle.h"
 #include "vtkStabbingContour.h"
 
 #include "vtkAlgorithmOutput.h"
@@ -98,7 +97,7 @@ Status ContourExecution::UpdateInput(int piece, int pieces, const std::optional<
   }
   const bool isUpdated =
     connection->GetProducer()->GetExecutive()->Update(connection->GetIndex()) != 0;
-  this->Contour.ReleaseInput(inInfo);
+  ReleaseVolume(this->Contour, inInfo);
   if (!isUpdated)
   {
     return { StatusCode::InvalidArgument, "the input of the contour filter failed" };

@@ -341,7 +341,7 @@ int SampledImage::TellImage(vtkInformation* inInfo, vtkInformationVector* output
   image.Grid.Extent = { 0, -1, 0, -1, 0, -1 };
   this->Text.clear();
   this->IsOnlyTold = false;
-  if (input && input.GetVolume())
+  if (input.GetVolume())
   {
     const bool isNew = this->SumSource(input) != this->Source;
     this->IsOnlyTold = isNew;
@@ -431,7 +431,7 @@ std::uint64_t SampledImage::SumSource(const VolumeInput& input) const
 {
   Fingerprint source;
   source.AddNumber(this->SumProperties());
-  if (input && input.GetVolume())
+  if (input.GetVolume())
   {
     source.AddNumber(reinterpret_cast<std::uintptr_t>(input.GetVolume().get()));
     source.AddNumber(input.GetTimeStep());

@@ -58,7 +58,7 @@ std::vector<CommonValue> VolumeInput::MakeCommonValues() const
       "some ranks have a blocked volume at the input of the filter, and some have images" },
     this->Handle ? this->Handle->MakeCommonValue() : CommonValue{ 0, "" },
     { this->GetRequestedTime(), "the ranks ask for different time steps" },
-    { this->Handle && this->Handle->GetVolume() && this->GetVolume()->HasLocalStores() ? 1U : 0U,
+    { this->GetVolume() && this->GetVolume()->HasLocalStores() ? 1U : 0U,
       "LocalStores of the reader is not the same on all ranks" },
   };
 }
@@ -79,7 +79,7 @@ std::uint64_t VolumeInput::GetRequestedTime() const
 
 std::shared_ptr<BlockedVolume> VolumeInput::GetVolume() const
 {
-  return this->Handle->GetVolume();
+  return this->Handle ? this->Handle->GetVolume() : nullptr;
 }
 
 std::size_t VolumeInput::GetTimeStep() const
@@ -130,15 +130,31 @@ Result<std::size_t> VolumeInput::FindVariable(const std::string& name, int compo
   return *variable;
 }
 
-void AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* outInfo)
+void AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, int piece, int pieces, int ghostLevels)
 {
   using Keys = vtkStreamingDemandDrivenPipeline;
-  inInfo->Set(Keys::UPDATE_PIECE_NUMBER(), outInfo->Get(Keys::UPDATE_PIECE_NUMBER()));
-  inInfo->Set(Keys::UPDATE_NUMBER_OF_PIECES(), outInfo->Get(Keys::UPDATE_NUMBER_OF_PIECES()));
-  inInfo->Set(Keys::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  inInfo->Set(Keys::UPDATE_PIECE_NUMBER(), piece);
+  inInfo->Set(Keys::UPDATE_NUMBER_OF_PIECES(), pieces);
+  inInfo->Set(Keys::UPDATE_NUMBER_OF_GHOST_LEVELS(), ghostLevels);
   if (const VolumeInput input(inInfo); input)
   {
     input.GetHandle().BeginTaking(&filter);
+  }
+}
+
+void AskVolume(
+  vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* outInfo, int ghostLevels)
+{
+  using Keys = vtkStreamingDemandDrivenPipeline;
+  AskVolume(filter, inInfo, outInfo->Get(Keys::UPDATE_PIECE_NUMBER()),
+    outInfo->Get(Keys::UPDATE_NUMBER_OF_PIECES()), ghostLevels);
+}
+
+void ReleaseVolume(vtkAlgorithm& filter, vtkInformation* inInfo)
+{
+  if (const VolumeInput input(inInfo); input)
+  {
+    input.GetHandle().EndTaking(&filter);
   }
 }
 

@@ -35,8 +35,8 @@ public:
   /// Whether the input is a volume, which one, at what time step, and how ranks share its blocks:
   /// what all ranks have to agree on before they go the way of volumes or that of images.
   std::vector<CommonValue> MakeCommonValues() const;
-  std::shared_ptr<BlockedVolume> GetVolume() const;
-  std::size_t GetTimeStep() const; ///< that the filter asks for
+  std::shared_ptr<BlockedVolume> GetVolume() const; ///< null if there is none
+  std::size_t GetTimeStep() const;                  ///< that the filter asks for
 
   /// The volume's array of this name, or its first array, the active scalars, if the name is
   /// empty. Errors: NotFound if the volume has no such array, or if a filter between reader and
@@ -56,9 +56,13 @@ private:
   vtkBlockedVolumeHandle* Handle;
 };
 
-/// RequestUpdateExtent of a filter that reads samples of a blocked volume itself: the reader's own
-/// output is not needed.
-void AskVolume(vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* outInfo);
+/// RequestUpdateExtent of a filter that takes blocks or samples of a blocked volume itself: the reader's own
+/// output is not needed, until ReleaseVolume. `ghostLevels`: of images in place of a volume.
+void AskVolume(
+  vtkAlgorithm& filter, vtkInformation* inInfo, int piece, int pieces, int ghostLevels = 0);
+void AskVolume(
+  vtkAlgorithm& filter, vtkInformation* inInfo, vtkInformation* outInfo, int ghostLevels = 0);
+void ReleaseVolume(vtkAlgorithm& filter, vtkInformation* inInfo);
 
 /// The first step of RequestData of such a filter: whether all ranks have the same volume and the same
 /// properties, of which `properties` is a checksum. Collective. Errors: no blocked volume is at the input.

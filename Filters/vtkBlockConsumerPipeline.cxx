@@ -3,7 +3,6 @@
 #include "vtkBlockConsumerPipeline.h"
 
 #include "VolumeInput.h"
-#include "vtkBlockedVolumeHandle.h"
 #include "vtkDistributeIsosurface.h"
 
 #include "vtkAlgorithm.h"
@@ -34,10 +33,7 @@ int vtkBlockConsumerPipeline::ForwardUpstream(vtkInformation* request)
     {
       for (int input = 0; input < this->GetNumberOfInputConnections(port); ++input)
       {
-        if (const isosurface::VolumeInput volume(this->GetInputInformation(port, input)); volume)
-        {
-          volume.GetHandle().EndTaking(this->Algorithm);
-        }
+        isosurface::ReleaseVolume(*this->Algorithm, this->GetInputInformation(port, input));
       }
     }
   }

@@ -5,9 +5,6 @@
 #include "ContouredArray.h"
 #include "SpectrumTable.h"
 #include "VolumeInput.h"
-#include "vtkBlockedVolumeHandle.h"
-#include "vtkBlockedVolumeReader.h"
-#include "vtkInformationBlockedVolumeKey.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -20,7 +17,6 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTable.h"
 
 #include "ControllerCommunicator.h"
@@ -111,19 +107,9 @@ int vtkContourSpectrum::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
-  vtkInformation* outInfo = output->GetInformationObject(0);
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()));
-  inInfo->Set(
-    Pipeline::UPDATE_NUMBER_OF_PIECES(), outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  // Averages of cells at the border of a piece need one cell beyond it.
+  // Averages of cells at the border of a piece need one cell beyond it. The spectrum of a volume is stored.
   const bool ofCells = isosurface::IsCellArrayChosen(this->GetInputArrayInformation(0), inInfo);
-  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), ofCells ? 1 : 0);
-  if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
-  {
-    // The spectrum is stored: no samples are needed.
-    handle->BeginTaking(this);
-  }
+  isosurface::AskVolume(*this, inInfo, output->GetInformationObject(0), ofCells ? 1 : 0);
   return 1;
 }
 
@@ -144,10 +130,7 @@ int vtkContourSpectrum::RequestData(
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkTable* table = vtkTable::GetData(output, 0);
   const isosurface::VolumeInput volume(inInfo);
-  if (volume)
-  {
-    volume.GetHandle().EndTaking(this);
-  }
+  isosurface::ReleaseVolume(*this, inInfo);
 
   this->Proposal = std::numeric_limits<double>::quiet_NaN();
   this->Refinement = isosurface::Refinement().ToValues();

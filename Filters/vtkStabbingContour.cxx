@@ -9,9 +9,6 @@
 #include "PassingFilters.h"
 #include "SurfaceFieldData.h"
 #include "SurfacePolyData.h"
-#include "vtkBlockedVolumeHandle.h"
-#include "vtkBlockedVolumeReader.h"
-#include "vtkInformationBlockedVolumeKey.h"
 
 #include "vtkAlgorithmOutput.h"
 #include "vtkDataObject.h"
@@ -187,10 +184,8 @@ int* vtkStabbingContour::GetLevelRange()
     this->GetNumberOfInputConnections(0) > 0 ? this->GetInputConnection(0, 0) : nullptr;
   vtkInformation* info =
     input ? input->GetProducer()->GetOutputInformation(input->GetIndex()) : nullptr;
-  const vtkBlockedVolumeHandle* handle =
-    info ? vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(info) : nullptr;
-  this->LevelRange[1] =
-    handle && handle->GetVolume() ? handle->GetVolume()->GetNumberOfLevels() - 1 : 0;
+  const auto volume = info ? isosurface::VolumeInput(info).GetVolume() : nullptr;
+  this->LevelRange[1] = volume ? volume->GetNumberOfLevels() - 1 : 0;
   return this->LevelRange;
 }
 
@@ -257,20 +252,11 @@ int vtkStabbingContour::RequestUpdateExtent(
 //------------------------------------------------------------------------------
 void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
 {
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  inInfo->Set(Pipeline::UPDATE_PIECE_NUMBER(), piece);
-  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_PIECES(), pieces);
   // Gradients at the border of a piece need one sample beyond it, and samples that are averages of
   // cells need one cell more. Ghost levels that consumers ask of the surface are not needed: its
   // pieces fit by GlobalIds.
   const int levels = (this->ComputeNormals ? 1 : 0) + (this->TakesCells(inInfo) ? 1 : 0);
-  inInfo->Set(Pipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), pieces > 1 ? levels : 0);
-
-  // Blocks are taken from the volume, not from the reader's output.
-  if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
-  {
-    handle->BeginTaking(this);
-  }
+  isosurface::AskVolume(*this, inInfo, piece, pieces, pieces > 1 ? levels : 0);
 }
 
 //------------------------------------------------------------------------------
@@ -283,15 +269,6 @@ bool vtkStabbingContour::TakesCells(vtkInformation* inInfo)
         return vtkDataObject::GetNamedFieldInformation(
                  inInfo, vtkDataObject::FIELD_ASSOCIATION_CELLS, name.c_str()) != nullptr;
       });
-}
-
-//------------------------------------------------------------------------------
-void vtkStabbingContour::ReleaseInput(vtkInformation* inInfo)
-{
-  if (vtkBlockedVolumeHandle* handle = vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(inInfo))
-  {
-    handle->EndTaking(this);
-  }
 }
 
 //------------------------------------------------------------------------------
@@ -319,7 +296,7 @@ int vtkStabbingContour::RequestData(
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
-  this->ReleaseInput(inInfo);
+  isosurface::ReleaseVolume(*this, inInfo);
   const vtkSmartPointer<vtkPolyData> last = std::move(this->LastSurface);
 
   isosurface::ControllerCommunicator ranks(this->Controller);

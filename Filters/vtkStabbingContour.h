@@ -419,10 +419,8 @@ private:
 
   friend class isosurface::ContourExecution;
 
-  /// Asks the input for what a piece of the output needs; until ReleaseInput, which is called when
-  /// the input is up to date.
+  /// Asks the input for what a piece of the output needs (AskVolume).
   void AskInput(vtkInformation* inInfo, int piece, int pieces);
-  void ReleaseInput(vtkInformation* inInfo);
   /// Whether an array to contour or to interpolate is one of cells, as far as the input tells.
   bool TakesCells(vtkInformation* inInfo);
 
