@@ -13,7 +13,7 @@ namespace
 /// The maximum of blocks that are decoded of one input, since each takes time.
 constexpr std::size_t MaximumBlocks = 8;
 /// The maximum of components of attributes, since each takes memory for all edges of a block.
-constexpr int MaximumComponents = 6;
+constexpr int MostComponents = 6;
 /// For decoded blocks, the models and the surface.
 constexpr std::size_t BlockBytes = std::size_t{ 192 } << 20;
 
@@ -24,7 +24,7 @@ bool IsSmall(const EdgeIndexHeader& header)
   {
     components += attribute.NumberOfComponents;
   }
-  return components <= MaximumComponents;
+  return components <= MostComponents;
 }
 
 // Returns whether the stream has few blocks.

@@ -17,7 +17,7 @@ const std::string Path = "/data/surface.eix";
 /// The maximum of blocks that are decoded of one input, since each takes time.
 constexpr std::size_t MaximumBlocks = 8;
 /// The maximum of components of attributes, since each takes memory for all edges of a block.
-constexpr int MaximumComponents = 6;
+constexpr int MostComponents = 6;
 /// For a decoded block of 64-bit samples with its crossings, the models, and the surface of eight
 /// blocks.
 constexpr std::size_t BlockBytes = std::size_t{ 192 } << 20;
@@ -74,7 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   {
     components += attribute.NumberOfComponents;
   }
-  if ((*file)->GetEntries().size() > MaximumBlocks || components > MaximumComponents)
+  if ((*file)->GetEntries().size() > MaximumBlocks || components > MostComponents)
   {
     return 0;
   }

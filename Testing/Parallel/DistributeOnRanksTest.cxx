@@ -19,6 +19,7 @@
 #include "vtkPointData.h"
 #include "vtkStabbingContour.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -363,6 +364,51 @@ TEST(DistributeParts, OfALeftHandedGridAtMapCoordinatesAreThoseOfTheContour)
   expectType(VTK_DOUBLE);
   distributed.Contour->SetOutputPointsPrecision(vtkAlgorithm::SINGLE_PRECISION);
   expectType(VTK_FLOAT);
+}
+
+TEST(DistributeBounded, KeepsPointsWithinTheErrorAndTogether)
+{
+  for (const int mode : { Distribute::BOUNDED, Distribute::SMALLEST })
+  {
+    DistributedContour distributed("Bounded" + std::to_string(mode));
+    distributed.UseVolume(GetVolume(VTK_SHORT), { 16, 3, vtkBlockedVolumeWriter::RANDOM });
+    distributed.Filter->SetMode(mode);
+    distributed.Filter->SetMaximumError(0.03);
+    const EdgeSurface all = Gather(distributed.Update(), 0);
+    if (GetRank() != 0)
+    {
+      continue;
+    }
+    const EdgeSurface expected = ContourByFlyingEdges(GetVolume(VTK_SHORT), Isovalues[0]);
+    EXPECT_EQ(all.Triangles, expected.Triangles);
+    EXPECT_TRUE(IsClosedManifold(all));
+    double spacing[3];
+    GetVolume(VTK_SHORT)->GetSpacing(spacing);
+    std::map<std::int64_t, EdgePoint> places;
+    for (const EdgePoint& point : expected.Points)
+    {
+      places[point.Edge] = point;
+    }
+    double worst = 0; // in edges
+    for (const EdgePoint& point : all.Points)
+    {
+      double square = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+      {
+        float moved = 0;
+        float place = 0;
+        std::memcpy(&moved, &point.Position[axis], sizeof(float));
+        std::memcpy(&place, &places.at(point.Edge).Position[axis], sizeof(float));
+        square += std::pow(static_cast<double>(moved) - static_cast<double>(place), 2);
+      }
+      worst = std::max(worst, std::sqrt(square) / spacing[point.Edge % 3]);
+    }
+    EXPECT_LE(worst, 0.03 + 1e-4);
+    if (mode == Distribute::BOUNDED && GetNumberOfRanks() > 1)
+    {
+      EXPECT_GT(worst, 0.003) << "nothing was moved";
+    }
+  }
 }
 
 TEST(DistributeErrors, AreToldOnceByEveryRankAndPass)
