@@ -76,7 +76,7 @@ VertexBox FindPart(const ImagePlan& plan, vtkInformation* request, vtkInformatio
   return part;
 }
 
-// Whether two plans of one plane or box are of the same image.
+// Whether two plans of one plane or box have the same vertices.
 bool IsSame(const ImagePlan& a, const ImagePlan& b)
 {
   return a.Level == b.Level && a.Grid.Extent == b.Grid.Extent;
@@ -122,6 +122,7 @@ struct SampledImage::Part
 {
   ImagePlan Plan;
   VertexBox Box;
+  std::uint64_t Source = 0; ///< of the image (SumSource)
   std::shared_ptr<BlockedVolume> Volume;
   std::size_t TimeStep = 0;
   std::vector<std::size_t> Arrays;
@@ -218,9 +219,8 @@ void SampledImage::Part::Finish(vtkInformation* outInfo)
 
 bool SampledImage::Part::IsOf(const Part& other) const
 {
-  return this->Volume == other.Volume && this->TimeStep == other.TimeStep &&
-    this->Arrays == other.Arrays && this->Box.Low == other.Box.Low &&
-    this->Box.High == other.Box.High && IsSame(this->Plan, other.Plan);
+  return this->Source == other.Source && this->Box.Low == other.Box.Low &&
+    this->Box.High == other.Box.High;
 }
 
 //------------------------------------------------------------------------------
@@ -449,6 +449,7 @@ std::unique_ptr<SampledImage::Part> SampledImage::DescribePart(
   auto part = std::make_unique<Part>();
   part->Plan = plan;
   part->Box = box;
+  part->Source = this->Source;
   part->Volume = input.GetVolume();
   part->TimeStep = input.GetTimeStep();
   part->Arrays = input.GetHandle().GetArrays();

@@ -294,6 +294,7 @@ TEST(SlicesOnRanks, AWindowGetsALargeSliceCoarseFirstAndScriptsGetTheExactOne)
     EXPECT_EQ(slice->GetFinal(), text == exact ? 1 : 0);
     if (slice->GetOutput()->GetNumberOfPoints() > 0)
     {
+      EXPECT_EQ(slice->GetOutput()->GetBounds()[4], z);
       ExpectStockValues(slice->GetOutput(), image);
     }
   };
