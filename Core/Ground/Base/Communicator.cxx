@@ -70,12 +70,13 @@ Status ChooseError(const Status& mine, const std::vector<Message>& messages)
 // A code and a reason, or nothing.
 Message PackError(const Status& status)
 {
-  Message message;
-  if (!status.IsOk())
+  if (status.IsOk())
   {
-    message.push_back(static_cast<std::uint8_t>(status.GetCode()));
-    message.insert(message.end(), status.GetMessage().begin(), status.GetMessage().end());
+    return {};
   }
+  const std::string reason = status.GetMessage();
+  Message message(1 + reason.size(), static_cast<std::uint8_t>(status.GetCode()));
+  std::copy(reason.begin(), reason.end(), message.begin() + 1);
   return message;
 }
 
