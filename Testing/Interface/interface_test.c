@@ -446,21 +446,37 @@ static void meet_first(void)
   si_volume_close(volume);
 }
 
-static void* read_for_long(void* context)
+static pthread_barrier_t at_work;
+
+/* Its first box is there when the main thread says so. */
+static int read_when_told(const si_reading* reading)
+{
+  int* boxes = reading->context;
+  if ((*boxes)++ == 0)
+  {
+    pthread_barrier_wait(&at_work);
+    pthread_barrier_wait(&at_work);
+  }
+  memset(reading->samples, 0, reading->bytes);
+  return 1;
+}
+
+static void* write_when_told(void* context)
 {
   const si_array array = { "a", SI_UINT8, 1, NULL };
   const si_grid grid = { sizeof(grid), { 64, 64, 64 }, { 1, 1, 1 }, { 0 },
     { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, NULL, { 0 } };
-  si_write_volume(other, &grid, 1, &array, 1, NULL, read_slowly, context, NULL, NULL);
+  OK(si_write_volume(other, &grid, 1, &array, 1, NULL, read_when_told, context, NULL, NULL));
   return NULL;
 }
 
 static void refuse_forks(void)
 {
   pthread_t thread;
-  CHECK(pthread_create(&thread, NULL, read_for_long, NULL) == 0);
-  const struct timespec wait = { 0, 150000000 };
-  nanosleep(&wait, NULL);
+  int boxes = 0;
+  CHECK(pthread_barrier_init(&at_work, NULL, 2) == 0);
+  CHECK(pthread_create(&thread, NULL, write_when_told, &boxes) == 0);
+  pthread_barrier_wait(&at_work);
   const pid_t child = fork();
   if (child == 0)
   {
@@ -471,6 +487,7 @@ static void refuse_forks(void)
   }
   int status = 1;
   CHECK(waitpid(child, &status, 0) == child && status == 0);
+  pthread_barrier_wait(&at_work);
   CHECK(pthread_join(thread, NULL) == 0);
 }
 
