@@ -12,7 +12,7 @@
 #include <stdlib.h>
 
 /* Ends the program with what the library says of a call that has failed. */
-static void check(si_status status)
+static void check(si_result status)
 {
   if (status != SI_OK)
   {

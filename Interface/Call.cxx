@@ -80,16 +80,16 @@ void Call::Warn(const std::string& message)
   }
 }
 
-si_status EndCall(const Status& status)
+si_result EndCall(const Status& status)
 {
   if (!status.IsOk())
   {
     GetMessage() = status.GetMessage();
   }
-  return static_cast<si_status>(status.GetCode());
+  return static_cast<si_result>(status.GetCode());
 }
 
-si_status RunCall(
+si_result RunCall(
   const std::string& context, const si_run* run, const std::function<Status(Call&)>& work)
 {
   static_cast<void>(ForksAreWatched);

@@ -84,8 +84,8 @@ private:
 };
 
 /// The status as C has it; the error of this thread if it is none.
-si_status EndCall(const Status& status);
-si_status RunCall(
+si_result EndCall(const Status& status);
+si_result RunCall(
   const std::string& context, const si_run* run, const std::function<Status(Call&)>& work);
 
 /// A call without callbacks, which gives a pointer, or NULL and the error of this thread.

@@ -94,7 +94,7 @@ Result<std::shared_ptr<VolumeFile>> OpenGrown(Communicator& ranks, si_growing& g
 } // namespace
 } // namespace isosurface
 
-si_status si_write_index(
+si_result si_write_index(
   const char* name, const si_opening* opening, uint64_t memory, const si_run* run)
 {
   return RunCall(ToText(name), run,
@@ -115,7 +115,7 @@ si_status si_write_index(
     });
 }
 
-si_status si_growing_begin(const char* name, const si_opening* opening, size_t step, double seconds,
+si_result si_growing_begin(const char* name, const si_opening* opening, size_t step, double seconds,
   uint64_t memory, const si_run* run, si_growing** growing)
 {
   return RunCall(ToText(name), run,
@@ -150,12 +150,16 @@ si_status si_growing_begin(const char* name, const si_opening* opening, size_t s
     });
 }
 
-si_status si_growing_poll(
+si_result si_growing_poll(
   si_growing* growing, double seconds, const si_run* run, si_growing_state* state)
 {
   return RunCall(growing->Name, run,
     [&](Call& call) -> Status
     {
+      if (state->size < sizeof(state->size))
+      {
+        return { StatusCode::InvalidArgument, "si_growing_state does not begin with its size" };
+      }
       Communicator& ranks = call.GetRanks();
       GrowingIndex* const index = growing->Growing.get();
       if (index && !growing->HasEnded)
@@ -189,7 +193,7 @@ si_status si_growing_poll(
     });
 }
 
-si_status si_growing_take(si_growing* growing, const si_run* run, si_volume** volume)
+si_result si_growing_take(si_growing* growing, const si_run* run, si_volume** volume)
 {
   return RunCall(growing->Name, run,
     [&](Call& call) -> Status

@@ -156,7 +156,7 @@ Result<TakenRequest> TakeRequest(
 
 /// Takes the request, agrees with the other ranks that it makes sense, and runs the work.
 template <typename Work>
-si_status RunRequest(
+si_result RunRequest(
   si_volume* volume, const si_surface_request* request, const si_run* run, const Work& work)
 {
   return RunOn(volume, run,
@@ -203,7 +203,7 @@ struct si_surface_file
   si_surface_file_info Info{};
 };
 
-si_status si_volume_estimate(
+si_result si_volume_estimate(
   si_volume* volume, const si_surface_request* request, const si_run* run, double* triangles)
 {
   return RunRequest(volume, request, run,
@@ -215,7 +215,7 @@ si_status si_volume_estimate(
     });
 }
 
-si_status si_volume_find_blocks(
+si_result si_volume_find_blocks(
   si_volume* volume, const si_surface_request* request, const si_run* run, si_boxes** boxes)
 {
   return RunRequest(volume, request, run,
@@ -235,7 +235,7 @@ void si_boxes_free(si_boxes* boxes)
   delete static_cast<OwnedBoxes*>(boxes);
 }
 
-si_status si_volume_extract(
+si_result si_volume_extract(
   si_volume* volume, const si_surface_request* request, const si_run* run, si_surface** surface)
 {
   return RunRequest(volume, request, run,
@@ -259,7 +259,7 @@ void si_surface_free(si_surface* surface)
   delete static_cast<OwnedSurface*>(surface);
 }
 
-si_status si_surface_save(const si_surface* surface, const char* path, const char* name,
+si_result si_surface_save(const si_surface* surface, const char* path, const char* name,
   const char* length_unit, const si_run* run)
 {
   return RunCall(ToText(path), run,
@@ -275,7 +275,7 @@ si_status si_surface_save(const si_surface* surface, const char* path, const cha
     });
 }
 
-si_status si_volume_write_surface(si_volume* volume, const si_surface_request* request,
+si_result si_volume_write_surface(si_volume* volume, const si_surface_request* request,
   const char* path, const si_coding* coding, const si_run* run)
 {
   return RunRequest(volume, request, run,
@@ -304,7 +304,7 @@ si_status si_volume_write_surface(si_volume* volume, const si_surface_request* r
     });
 }
 
-si_status si_surface_file_open(const char* path, const si_run* run, si_surface_file** file)
+si_result si_surface_file_open(const char* path, const si_run* run, si_surface_file** file)
 {
   return RunCall(ToText(path), run,
     [&](Call&) -> Status
@@ -324,7 +324,7 @@ const si_surface_file_info* si_surface_file_describe(const si_surface_file* file
   return &file->Info;
 }
 
-si_status si_surface_file_read(si_surface_file* file, size_t isovalue_count,
+si_result si_surface_file_read(si_surface_file* file, size_t isovalue_count,
   const size_t* isovalues, int preview, int normals, const si_run* run, si_surface** surface)
 {
   return RunCall(file->File->GetPath(), run,

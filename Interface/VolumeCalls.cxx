@@ -290,7 +290,7 @@ const char* si_type_name(int32_t type)
   return type >= 0 && type <= SI_FLOAT64 ? GetValueTypeName(static_cast<ValueType>(type)) : nullptr;
 }
 
-si_status si_find_kind(const char* name, int32_t* kind)
+si_result si_find_kind(const char* name, int32_t* kind)
 {
   return RunCall(ToText(name), nullptr,
     [&](Call&) -> Status
@@ -306,7 +306,7 @@ void si_texts_free(si_texts* texts)
   delete static_cast<OwnedTexts*>(texts);
 }
 
-si_status si_list_datasets(const char* name, const si_run* run, si_texts** datasets)
+si_result si_list_datasets(const char* name, const si_run* run, si_texts** datasets)
 {
   return RunCall(ToText(name), run,
     [&](Call&) -> Status
@@ -326,7 +326,7 @@ si_status si_list_datasets(const char* name, const si_run* run, si_texts** datas
     });
 }
 
-si_status si_read_attributes(const char* name, const char* axes, const si_run* run, si_texts** json)
+si_result si_read_attributes(const char* name, const char* axes, const si_run* run, si_texts** json)
 {
   return RunCall(ToText(name), run,
     [&](Call&) -> Status
@@ -341,7 +341,7 @@ si_status si_read_attributes(const char* name, const char* axes, const si_run* r
     });
 }
 
-si_status si_volume_open(
+si_result si_volume_open(
   const char* name, const si_opening* opening, const si_run* run, si_volume** volume)
 {
   return RunCall(ToText(name), run,
@@ -383,7 +383,7 @@ const si_grid* si_volume_grid(si_volume* volume, size_t level)
     });
 }
 
-si_status si_volume_read(
+si_result si_volume_read(
   si_volume* volume, const si_box* box, void* samples, size_t bytes, const si_run* run)
 {
   return RunOn(volume, run,
@@ -395,7 +395,7 @@ si_status si_volume_read(
     });
 }
 
-si_status si_volume_range(
+si_result si_volume_range(
   si_volume* volume, const si_scalar* scalar, const si_run* run, double range[2])
 {
   return RunOn(volume, run,
@@ -409,7 +409,7 @@ si_status si_volume_range(
     });
 }
 
-si_status si_volume_probe(si_volume* volume, const si_scalar* scalar, int nearest, size_t count,
+si_result si_volume_probe(si_volume* volume, const si_scalar* scalar, int nearest, size_t count,
   const double* points, void* values, uint8_t* inside, const si_run* run)
 {
   return RunOn(volume, run,
@@ -422,7 +422,7 @@ si_status si_volume_probe(si_volume* volume, const si_scalar* scalar, int neares
     });
 }
 
-si_status si_volume_slice(si_volume* volume, const si_scalar* scalar, const double origin[3],
+si_result si_volume_slice(si_volume* volume, const si_scalar* scalar, const double origin[3],
   const double normal[3], double most_points, const si_run* run, si_slice** slice)
 {
   return RunOn(volume, run,
@@ -447,7 +447,7 @@ void si_slice_free(si_slice* slice)
   delete static_cast<OwnedSlice*>(slice);
 }
 
-si_status si_volume_spectrum(
+si_result si_volume_spectrum(
   si_volume* volume, const si_scalar* scalar, const si_run* run, si_spectrum** spectrum)
 {
   return RunOn(volume, run,

@@ -53,7 +53,7 @@ Result<OpeningChoice> TakeOpening(const si_opening* given);
 
 /// RunCall for a volume.
 template <typename Work>
-si_status RunOn(si_volume* volume, const si_run* run, const Work& work)
+si_result RunOn(si_volume* volume, const si_run* run, const Work& work)
 {
   return volume ? RunCall(volume->File->GetPath(), run, work)
                 : EndCall({ StatusCode::InvalidArgument, "the volume is NULL" });

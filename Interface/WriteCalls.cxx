@@ -150,7 +150,7 @@ struct VolumeWriting
 } // namespace
 } // namespace isosurface
 
-si_status si_write_volume(const char* path, const si_grid* grid, size_t array_count,
+si_result si_write_volume(const char* path, const si_grid* grid, size_t array_count,
   const si_array* arrays, size_t step_count, const double* times, si_reader reader, void* context,
   const si_settings* settings, const si_run* run)
 {
@@ -192,7 +192,7 @@ si_status si_write_volume(const char* path, const si_grid* grid, size_t array_co
     });
 }
 
-si_status si_volume_write(si_volume* volume, const char* path, const si_grid* grid,
+si_result si_volume_write(si_volume* volume, const char* path, const si_grid* grid,
   const double* times, const si_settings* settings, const si_run* run)
 {
   return RunOn(volume, run,

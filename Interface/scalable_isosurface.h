@@ -69,7 +69,7 @@ extern "C"
   /* That of the library which is loaded. */
   SI_API int32_t si_version(void);
 
-  typedef int32_t si_status;
+  typedef int32_t si_result;
   enum
   {
     SI_OK = 0,
@@ -156,7 +156,7 @@ extern "C"
   };
 
   /* Looks at a name and the first bytes. SI_NOT_FOUND if there is no such file or folder. */
-  SI_API si_status si_find_kind(const char* name, int32_t* kind);
+  SI_API si_result si_find_kind(const char* name, int32_t* kind);
 
   /* Texts. */
   typedef struct si_texts
@@ -168,11 +168,11 @@ extern "C"
   SI_API void si_texts_free(si_texts* texts);
 
   /* The datasets in a file of another format: each opens as NAME:DATASET. None if it has one volume. */
-  SI_API si_status si_list_datasets(const char* name, const si_run* run, si_texts** datasets);
+  SI_API si_result si_list_datasets(const char* name, const si_run* run, si_texts** datasets);
 
   /* The attributes of a dataset in HDF5, Zarr, N5 or DICOM, as an object of JSON, in one text; "" if there are none.
    * `axes` as in si_opening, or NULL. */
-  SI_API si_status si_read_attributes(const char* name, const char* axes, const si_run* run, si_texts** json);
+  SI_API si_result si_read_attributes(const char* name, const char* axes, const si_run* run, si_texts** json);
 
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Volumes */
@@ -196,7 +196,7 @@ extern "C"
    * "scan.raw:512x512x300,uint16". A file that has a current index (si_write_index) is opened by it. `opening`
    * and `run` may be NULL. Threads of `run` are those that make blocks of a file without an index.
    */
-  SI_API si_status si_volume_open(
+  SI_API si_result si_volume_open(
     const char* name, const si_opening* opening, const si_run* run, si_volume** volume);
   SI_API void si_volume_close(si_volume* volume);
 
@@ -253,7 +253,7 @@ extern "C"
   } si_box;
   /* Fills `samples`, which has room for `bytes`: those of the type * components * vertices, else it is
    * SI_INVALID_ARGUMENT. A slice is a box of one vertex on an axis. What it has after an error is undefined. */
-  SI_API si_status si_volume_read(
+  SI_API si_result si_volume_read(
     si_volume* volume, const si_box* box, void* samples, size_t bytes, const si_run* run);
 
   /* As a component: the magnitude of an array's tuples. */
@@ -270,13 +270,13 @@ extern "C"
 
   /* Fills `range` with the minimum and the maximum of the finite samples; NaN if there is none. Of a file without an
    * index, these and all that follow read the time step into memory first, in blocks, and keep them. */
-  SI_API si_status si_volume_range(
+  SI_API si_result si_volume_range(
     si_volume* volume, const si_scalar* scalar, const si_run* run, double range[2]);
 
   /* Values at points of the world, x y z each, interpolated: `values` has `count` tuples of the array's type, and
    * `inside` (may be NULL) 1 for each point within the grid, else 0; values of points beyond it are left as they were.
    * The component of the scalar does not count: tuples have all. `nearest`: not 0 for the nearest sample. */
-  SI_API si_status si_volume_probe(si_volume* volume, const si_scalar* scalar, int nearest, size_t count,
+  SI_API si_result si_volume_probe(si_volume* volume, const si_scalar* scalar, int nearest, size_t count,
     const double* points, void* values, uint8_t* inside, const si_run* run);
 
   /* A plane's samples: an image of dimensions[0] * dimensions[1] points. */
@@ -290,7 +290,7 @@ extern "C"
   } si_slice;
   /* Cuts the array by the plane with this origin and normal, at the finest level from the scalar's on at which it
    * has at most `most_points` (0: any number). `*slice` becomes NULL if the plane does not meet the volume. */
-  SI_API si_status si_volume_slice(si_volume* volume, const si_scalar* scalar, const double origin[3],
+  SI_API si_result si_volume_slice(si_volume* volume, const si_scalar* scalar, const double origin[3],
     const double normal[3], double most_points, const si_run* run, si_slice** slice);
   SI_API void si_slice_free(si_slice* slice);
 
@@ -310,7 +310,7 @@ extern "C"
     const double* area;     /* estimated */
     const double* volume;   /* estimated, where samples are at least the isovalue */
   } si_spectrum;
-  SI_API si_status si_volume_spectrum(
+  SI_API si_result si_volume_spectrum(
     si_volume* volume, const si_scalar* scalar, const si_run* run, si_spectrum** spectrum);
   SI_API void si_spectrum_free(si_spectrum* spectrum);
 
@@ -346,7 +346,7 @@ extern "C"
 
   /* How many triangles there are in the whole volume, without the islands' and the region's limits: an estimate, but
    * exact at isovalues of the spectrum. */
-  SI_API si_status si_volume_estimate(
+  SI_API si_result si_volume_estimate(
     si_volume* volume, const si_surface_request* request, const si_run* run, double* triangles);
 
   /* Boxes of vertices, x0 x1 y0 y1 z0 z1 each; the ends are beyond the last vertex. */
@@ -357,7 +357,7 @@ extern "C"
     const int64_t* boxes;
   } si_boxes;
   /* The blocks that the isosurfaces cross, of several ranks this one's; none of their samples is read. At a coarse level some may be empty. */
-  SI_API si_status si_volume_find_blocks(
+  SI_API si_result si_volume_find_blocks(
     si_volume* volume, const si_surface_request* request, const si_run* run, si_boxes** boxes);
   SI_API void si_boxes_free(si_boxes* boxes);
 
@@ -394,14 +394,14 @@ extern "C"
   SI_API void si_surface_free(si_surface* surface);
 
   /* Extracts isosurfaces; of several ranks, each gets its part. */
-  SI_API si_status si_volume_extract(
+  SI_API si_result si_volume_extract(
     si_volume* volume, const si_surface_request* request, const si_run* run, si_surface** surface);
 
   /* Saves a surface as .stl, .ply, .glb or .obj, by the end of the path: all but .obj in binary, with normals if it has
    * them. A file that is there is replaced when the new one is complete. `name` is that of the surface, and `length_unit`
    * that of the points, for .glb, which is in metres; NULL: none, and mm. A point that is not finite is
    * SI_INVALID_ARGUMENT. */
-  SI_API si_status si_surface_save(const si_surface* surface, const char* path, const char* name,
+  SI_API si_result si_surface_save(const si_surface* surface, const char* path, const char* name,
     const char* length_unit, const si_run* run);
 
   /* ---------------------------------------------------------------------------------------------------------- */
@@ -425,11 +425,11 @@ extern "C"
 
   /* Writes the isosurfaces as an edge-index file (.eix). A file that is there is replaced when the new one is complete.
    * `coding` may be NULL. Several ranks write one file. */
-  SI_API si_status si_volume_write_surface(si_volume* volume, const si_surface_request* request, const char* path,
+  SI_API si_result si_volume_write_surface(si_volume* volume, const si_surface_request* request, const char* path,
     const si_coding* coding, const si_run* run);
 
   typedef struct si_surface_file si_surface_file;
-  SI_API si_status si_surface_file_open(const char* path, const si_run* run, si_surface_file** file);
+  SI_API si_result si_surface_file_open(const char* path, const si_run* run, si_surface_file** file);
   SI_API void si_surface_file_close(si_surface_file* file);
 
   typedef struct si_surface_file_info
@@ -452,7 +452,7 @@ extern "C"
   /* Decodes the surface of the isovalues with these numbers, in this order; of all if there are none. `preview`: not 0
    * for the coarse surface, which has no attributes. `normals`: not 0 for those of the file, or else of the
    * triangles. */
-  SI_API si_status si_surface_file_read(si_surface_file* file, size_t isovalue_count, const size_t* isovalues,
+  SI_API si_result si_surface_file_read(si_surface_file* file, size_t isovalue_count, const size_t* isovalues,
     int preview, int normals, const si_run* run, si_surface** surface);
 
   /* ---------------------------------------------------------------------------------------------------------- */
@@ -491,12 +491,12 @@ extern "C"
    * `step_count` steps, or NaN; NULL: they have none. All steps become visible together; a volume that is there is
    * replaced then. `settings` may be NULL. Collective with ranks, each of which is asked for boxes of all of the volume.
    */
-  SI_API si_status si_write_volume(const char* path, const si_grid* grid, size_t array_count,
+  SI_API si_result si_write_volume(const char* path, const si_grid* grid, size_t array_count,
     const si_array* arrays, size_t step_count, const double* times, si_reader reader, void* context,
     const si_settings* settings, const si_run* run);
 
   /* The same of all arrays and time steps of a volume. `grid` may be NULL, and `times`: those of the volume. */
-  SI_API si_status si_volume_write(si_volume* volume, const char* path, const si_grid* grid, const double* times,
+  SI_API si_result si_volume_write(si_volume* volume, const char* path, const si_grid* grid, const double* times,
     const si_settings* settings, const si_run* run);
 
   /* ---------------------------------------------------------------------------------------------------------- */
@@ -505,7 +505,7 @@ extern "C"
   /* Indexes a file of another format where it lies: a small blocked volume beside it, or in the folder of `opening`, which
    * may be NULL. Nothing is written if there is a current one. `memory`: bytes that it may take; 0 is 1 GiB. What of the
    * file is left out is a warning. */
-  SI_API si_status si_write_index(
+  SI_API si_result si_write_index(
     const char* name, const si_opening* opening, uint64_t memory, const si_run* run);
 
   /* First contact with a file of any size: a sample of it after about a second, while the index is written beside. */
@@ -529,14 +529,14 @@ extern "C"
 
   /* Reads a sample of the time step `step` in about `seconds` (0 is 1), and begins to write the index. Of a small file, or
    * of one that has a current index, the volume is ready at once. Collective with ranks, as are the next two. */
-  SI_API si_status si_growing_begin(const char* name, const si_opening* opening, size_t step, double seconds,
+  SI_API si_result si_growing_begin(const char* name, const si_opening* opening, size_t step, double seconds,
     uint64_t memory, const si_run* run, si_growing** growing);
   /* Waits for something new, at most `seconds`, and tells the state. An error is that of writing the index: the sample
    * stays, and nothing follows. Where there are several ranks, the index is written during these calls alone. */
-  SI_API si_status si_growing_poll(
+  SI_API si_result si_growing_poll(
     si_growing* growing, double seconds, const si_run* run, si_growing_state* state);
   /* The volume that is to be shown now: the sample, a larger one, or that of the index. */
-  SI_API si_status si_growing_take(si_growing* growing, const si_run* run, si_volume** volume);
+  SI_API si_result si_growing_take(si_growing* growing, const si_run* run, si_volume** volume);
   /* Asks for the end, without waiting: the next poll returns SI_STOPPED. What is written is kept for the next try. */
   SI_API void si_growing_stop(si_growing* growing);
   /* Stops it, and waits for that. Volumes that were taken stay valid. */

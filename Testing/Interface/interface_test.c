@@ -3,6 +3,8 @@
  * What scalable_isosurface.h promises, in C99. The first argument is a folder for files.
  */
 #define _POSIX_C_SOURCE 200809L
+#include <signal.h> /* whose macros begin with si_, too */
+
 #include <scalable_isosurface.h>
 
 #include <math.h>
@@ -27,7 +29,7 @@ enum
   NZ = 70,
   RANKS = 3
 };
-static char path[4096], other[4096], eix[4096], raw[4096], first[4096];
+static char path[4096], other[4096], eix[4096], raw[4096], first[4096], stopped[4096];
 
 static int16_t sample(size_t step, int64_t x, int64_t y, int64_t z)
 {
@@ -446,6 +448,28 @@ static void meet_first(void)
   si_volume_close(volume);
 }
 
+static void stop_first(void)
+{
+  si_growing* growing = NULL;
+  OK(si_growing_begin(stopped, NULL, 0, 0, 0, NULL, &growing));
+  si_growing_stop(growing);
+  si_growing_state state = { 0 };
+  CHECK(si_growing_poll(growing, 0, NULL, &state) == SI_INVALID_ARGUMENT &&
+    strstr(si_error(), "si_growing_state"));
+  state.size = sizeof(state);
+  si_result status = SI_OK;
+  while (status == SI_OK && state.stage != SI_GROWING_READY)
+  {
+    status = si_growing_poll(growing, 0.01, NULL, &state);
+  }
+  CHECK(status == SI_STOPPED);
+  si_volume* shown = NULL;
+  OK(si_growing_take(growing, NULL, &shown)); /* the sample stays */
+  si_growing_free(growing);
+  CHECK(si_volume_grid(shown, 0)->dimensions[0] > 0);
+  si_volume_close(shown);
+}
+
 static pthread_barrier_t at_work;
 
 /* Its first box is there when the main thread says so. */
@@ -499,12 +523,14 @@ int main(int argc, char** argv)
   snprintf(eix, sizeof(eix), "%s/waves.eix", argv[1]);
   write_raw(argv[1], "raw", raw);
   write_raw(argv[1], "first", first);
+  write_raw(argv[1], "stopped", stopped);
   write_and_describe();
   read_samples();
   extract();
   stops_and_refuses();
   share_among_ranks();
   meet_first();
+  stop_first();
   refuse_forks();
   puts("all is as it is promised");
   return EXIT_SUCCESS;
