@@ -4,8 +4,10 @@
 #include "Ground/Base/UsedFileSystem.h"
 
 #include <filesystem>
+#include <fstream>
 
 #include <dlfcn.h>
+#include <link.h>
 
 namespace isosurface
 {
@@ -21,12 +23,29 @@ std::string FindOwnFolder()
   return isKnown ? std::filesystem::path(info.dli_fname).parent_path().string() : std::string();
 }
 
+/// Whether all of a library is there. The loader maps what the header tells: of a part the process would die.
+bool IsWhole(const std::string& path)
+{
+  ElfW(Ehdr) header = {};
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto size = static_cast<std::uint64_t>(file.tellg());
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(&header), sizeof(header));
+  return !file ||
+    header.e_shoff + std::uint64_t{ header.e_shentsize } * header.e_shnum <= size;
+}
+
 } // namespace
 
 Result<const void*> LoadFormatModule(const std::string& name, const std::string& what)
 {
   const std::string file = "libIsosurface" + name + ".so";
   const std::string path = (std::filesystem::path(FindOwnFolder()) / file).string();
+  if (!IsWhole(path))
+  {
+    return Status(StatusCode::Unsupported,
+      what + " is read by the module " + file + ", which is damaged: a part of it is missing");
+  }
   void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   const void* const found = module ? ::dlsym(module, ("Isosurface" + name).c_str()) : nullptr;
   if (void* const use = found ? ::dlsym(module, "IsosurfaceUseFileSystem") : nullptr)
