@@ -9,13 +9,14 @@ import ctypes
 import errno
 import math
 import os
+import struct
 import warnings
 from ctypes import byref, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p, POINTER
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy
 
-from . import _LIBRARY
+from . import __version__, _LIBRARY
 
 #: As a component: that of several.
 MAGNITUDE = -1
@@ -172,14 +173,42 @@ def _check(status: int, *_: Any) -> int:
 
 
 def _load() -> Any:
-    """The functions of the library, without si_."""
+    """The functions of the library, without si_. An ImportError says in one line what is wrong."""
     folder = os.path.dirname(os.path.abspath(__file__))
     beside = os.path.join(folder, os.path.basename(_LIBRARY))
     path = beside if os.path.exists(beside) else os.path.normpath(os.path.join(folder, _LIBRARY))
     try:
-        return _find_functions(ctypes.CDLL(path))
+        _check_file(path)
+        library = ctypes.CDLL(path)
+        version = library.si_version()
+        found = f"{version // 10000}.{version // 100 % 100}.{version % 100}"
+        if found != __version__:
+            raise OSError(f"the library is of version {found}, and the Python files are of {__version__}")
+        return _find_functions(library)
     except (OSError, AttributeError) as error:
-        raise ImportError(error if path in str(error) else f"{path}: {error}") from error
+        import platform
+
+        reason = getattr(error, "strerror", None) or str(error).replace(f"{path}: ", "")
+        if isinstance(error, OSError) and platform.libc_ver()[0] != "glibc":
+            reason += "; it needs glibc, and the C library of this Python is another"
+        raise ImportError(
+            f"{path} cannot be loaded: {reason}; install scalable_isosurface for this Python again", path=path
+        ) from None
+
+
+def _check_file(path: str) -> None:
+    """Raises an OSError unless all of the library is there, for this processor. The loader maps what the header tells:
+    of a part of a library the process would die."""
+    with open(path, "rb") as file:
+        header, size = file.read(64), file.seek(0, os.SEEK_END)
+    if len(header) < 64 or header[:4] != b"\x7fELF":
+        raise OSError("it is damaged, or no library")
+    machine, sections, entry_size, count = struct.unpack_from("=H20xQ10xHH", header, 18)
+    built_for = {62: "x86_64", 183: "aarch64"}.get(machine, os.uname().machine)
+    if built_for != os.uname().machine:
+        raise OSError(f"it is for {built_for}, and this processor is {os.uname().machine}")
+    if sections + entry_size * count > size:
+        raise OSError(f"it is damaged: it has {size} bytes, and not {sections + entry_size * count}")
 
 
 def _find_functions(library: ctypes.CDLL) -> Any:

@@ -13,7 +13,8 @@ import unittest
 
 import scalable_isosurface
 
-MODULES = ("_arguments", "_edge_index", "_indexing", "_library", "_opening", "_surface", "_volume", "_writing")
+MODULES = ("_arguments", "_edge_index", "_indexing", "_library", "_opening", "_pyvista", "_surface", "_volume",
+           "_writing")
 PAGE = sys.argv[1]
 WRONG = (
     "volume.nothing",
