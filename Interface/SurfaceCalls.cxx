@@ -18,11 +18,12 @@ namespace
 struct OwnedSurface : si_surface
 {
   /// `names`: of the attributes.
-  OwnedSurface(
-    Surface surface, bool hasNormals, bool hasGlobalIds, std::vector<std::string> names, int chosen)
+  OwnedSurface(Surface surface, bool hasNormals, bool hasGlobalIds, std::vector<std::string> names,
+    int chosen, ChosenIslands found = {})
     : si_surface{}
     , Owned(std::move(surface))
     , Names(std::move(names))
+    , Islands(std::move(found.Ids))
   {
     Surface& made = this->Owned;
     this->size = sizeof(si_surface);
@@ -59,10 +60,22 @@ struct OwnedSurface : si_surface
     this->attribute_count = this->Values.size();
     this->attributes = this->Values.data();
     this->level = static_cast<std::size_t>(chosen);
+    const auto give = [](auto& buffer) -> const void*
+    { return buffer.IsEmpty() ? nullptr : buffer.GetData(); };
+    this->offsets =
+      made.Offsets.Is64Bit ? give(made.Offsets.Values64) : give(made.Offsets.Values32);
+    this->island_ids = this->Islands.IsEmpty() ? nullptr : this->Islands.GetData();
+    for (const IsovalueIslands& one : found.OfIsovalues)
+    {
+      this->Counts.push_back({ one.Islands, one.KeptIslands, one.Triangles, one.KeptTriangles });
+    }
+    this->islands = this->Counts.empty() ? nullptr : this->Counts.data();
   }
 
   Surface Owned;
   const std::vector<std::string> Names;
+  const Buffer<std::int64_t> Islands; ///< of the triangles
+  std::vector<si_islands> Counts;
   std::vector<double> Isovalues;
   std::vector<std::int64_t> FirstPoints;
   std::vector<std::int64_t> FirstTriangles;
@@ -126,9 +139,21 @@ Result<TakenRequest> TakeRequest(
   }
   if (taken.region)
   {
-    request.Bounds.emplace();
-    std::copy(taken.region, taken.region + request.Bounds->size(), request.Bounds->begin());
+    std::array<double, 6> bounds{};
+    std::copy(taken.region, taken.region + bounds.size(), bounds.begin());
+    request.Where = Region::FromBounds(bounds);
   }
+  std::vector<HalfSpace> halfSpaces(taken.half_spaces ? taken.half_space_count : 0);
+  for (std::size_t number = 0; number < halfSpaces.size(); ++number)
+  {
+    const double* const numbers = taken.half_spaces + 4 * number;
+    std::copy(numbers, numbers + 3, halfSpaces[number].Normal.begin());
+    halfSpaces[number].Offset = numbers[3];
+  }
+  request.Where = request.Where.Intersect(Region(std::move(halfSpaces)));
+  request.Polygons = taken.polygons != 0;
+  request.SkipNotANumber = taken.skip_not_a_number != 0;
+  request.VtkVersion = taken.vtk_version;
   request.Normals = taken.normals != 0;
   request.GlobalIds = taken.global_ids != 0;
   request.Precision = taken.points == SI_FLOAT32 ? PointPrecision::Single
@@ -140,7 +165,8 @@ Result<TakenRequest> TakeRequest(
     request.ClosedSides.AreBeyondInside = taken.closed < 0;
   }
   request.DropDegenerateTriangles = taken.closed != 0 || taken.drop_degenerate_triangles != 0;
-  if (taken.minimum_island > 0 || taken.maximum_islands > 0)
+  if (taken.minimum_island > 0 || taken.maximum_islands > 0 || taken.island_point ||
+    taken.island_ids != 0)
   {
     request.Islands.emplace();
     request.Islands->Size = taken.island_size == SI_BY_AREA ? IslandSize::Area
@@ -148,6 +174,12 @@ Result<TakenRequest> TakeRequest(
                                                             : IslandSize::Triangles;
     request.Islands->MinimumSize = taken.minimum_island;
     request.Islands->MaximumIslands = taken.maximum_islands;
+    request.Islands->Ids = taken.island_ids != 0;
+    if (taken.island_point)
+    {
+      request.Islands->Place.emplace();
+      std::copy(taken.island_point, taken.island_point + 3, request.Islands->Place->begin());
+    }
   }
   request.Budget = { taken.maximum_seconds, taken.maximum_triangles };
   request.Ranks = &call.GetRanks();
@@ -243,13 +275,14 @@ si_result si_volume_extract(
     {
       std::string warning;
       int level = 0;
+      ChosenIslands islands;
       taken.Surfaces.Threads = call.ShareThreads();
       ISOSURFACE_ASSIGN_OR_RETURN(auto made,
-        ExtractSurface(
-          *volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning, &level));
+        ExtractSurface(*volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning,
+          &level, &islands));
       call.Warn(warning);
       return Give(std::make_unique<OwnedSurface>(std::move(made), taken.Surfaces.Normals,
-                    taken.Surfaces.GlobalIds, taken.Names, level),
+                    taken.Surfaces.GlobalIds, taken.Names, level, std::move(islands)),
         surface);
     });
 }
@@ -285,21 +318,25 @@ si_result si_volume_write_surface(si_volume* volume, const si_surface_request* r
       ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(given.GetStatus()));
       const auto orUsual = [](double number, double usual) { return number > 0 ? number : usual; };
       const bool isMode =
-        given->mode == SI_LOSSLESS || given->mode == SI_BOUNDED || given->mode == SI_SMALLEST;
+        (given->mode == SI_LOSSLESS || given->mode == SI_BOUNDED || given->mode == SI_SMALLEST) &&
+        (given->profile == 0 || given->profile == 3);
       if (!isMode)
       {
-        return { StatusCode::InvalidArgument, "si_coding: there is no such mode" };
+        return { StatusCode::InvalidArgument, "si_coding: there is no such mode, or profile" };
       }
       EdgeIndexHeader header;
       header.Settings.Mode = static_cast<EdgeIndexMode>(given->mode);
       header.Settings.MaximumError = orUsual(given->maximum_error, header.Settings.MaximumError);
+      header.Settings.Profile = static_cast<EdgeIndexProfile>(given->profile);
       header.PreviewLevel = given->preview_level;
       EdgeIndexWriteJob::Settings settings;
+      settings.MemoryBytes = given->memory != 0 ? given->memory : settings.MemoryBytes;
       settings.Threads = call.ShareThreads();
       settings.Warn = [&call](const std::string& warning) { call.Warn(warning); };
       constexpr double usualNormalError = 0.005;
       return WriteSurface(*volume->File, taken.Samples, taken.Surfaces, ToText(path), header,
-        given->array_error, orUsual(given->normal_error, usualNormalError), settings,
+        given->array_error,
+        given->normal_error < 0 ? 0 : orUsual(given->normal_error, usualNormalError), settings,
         call.GetProgress());
     });
 }
@@ -337,11 +374,49 @@ si_result si_surface_file_read(si_surface_file* file, size_t isovalue_count,
       {
         return { StatusCode::InvalidArgument, file->File->GetPath() + ": has no such surface" };
       }
+      EdgeIndexSelection selection;
+      selection.Isovalues = numbers;
+      selection.Preview = preview != 0;
       ISOSURFACE_ASSIGN_OR_RETURN(auto made,
-        file->File->Read(
-          numbers, preview != 0, normals != 0, call.CountThreads(), call.GetProgress()));
+        file->File->Read(selection, {}, normals != 0, call.CountThreads(), call.GetProgress()));
       return Give(std::make_unique<OwnedSurface>(std::move(made), normals != 0, false,
                     preview != 0 ? std::vector<std::string>() : file->Attributes, 0),
+        surface);
+    });
+}
+
+si_result si_surface_file_read_piece(
+  si_surface_file* file, const si_surface_reading* reading, const si_run* run, si_surface** surface)
+{
+  return RunCall(file->File->GetPath(), run,
+    [&](Call& call) -> Status
+    {
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto taken, TakeStructure(reading, "si_surface_reading"));
+      EdgeIndexSelection selection;
+      selection.Preview = taken.preview != 0;
+      selection.Piece = taken.piece;
+      selection.NumberOfPieces = std::max(taken.piece_count, 1);
+      const bool isThere = taken.piece >= 0 && taken.piece < selection.NumberOfPieces &&
+        (!selection.Preview || file->Info.has_preview != 0);
+      if (!isThere)
+      {
+        return { StatusCode::InvalidArgument, file->File->GetPath() + ": has no such surface" };
+      }
+      if (taken.region)
+      {
+        std::array<double, 6> bounds{};
+        std::copy(taken.region, taken.region + bounds.size(), bounds.begin());
+        selection.Box = file->File->FindVertices(bounds);
+      }
+      ContourRequest request;
+      MatchVtk(taken.vtk_version, request);
+      request.GlobalIds = taken.global_ids != 0;
+      ISOSURFACE_ASSIGN_OR_RETURN(auto made,
+        file->File->Read(
+          selection, request, taken.normals != 0, call.CountThreads(), call.GetProgress()));
+      return Give(
+        std::make_unique<OwnedSurface>(std::move(made), taken.normals != 0, request.GlobalIds,
+          selection.Preview ? std::vector<std::string>() : file->Attributes, 0),
         surface);
     });
 }

@@ -3,6 +3,7 @@
 
 #include "Formats/Files/SampleQueries.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Storage/Spectrum/IsovalueProposal.h"
 
 #include <cmath>
 #include <limits>
@@ -24,6 +25,8 @@ OwnedGrid::OwnedGrid(LevelDescription description)
     this->spacing[axis] = grid.Spacing[axis];
     this->origin[axis] = grid.Origin[axis];
     this->chunk[axis] = this->Owned.Chunk[axis];
+    this->first[axis] = grid.Extent[2 * axis];
+    this->zero[axis] = grid.Origin[axis];
     this->lines[axis] = this->Owned.Lines ? this->Owned.Lines->Coordinates[axis].data() : nullptr;
   }
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -110,6 +113,12 @@ Result<LevelDescription> TakeGrid(const si_grid* given)
   std::copy(std::begin(taken.spacing), std::end(taken.spacing), grid.Spacing.begin());
   std::copy(std::begin(taken.origin), std::end(taken.origin), grid.Origin.begin());
   std::copy(std::begin(taken.chunk), std::end(taken.chunk), made.Chunk.begin());
+  const bool isMoved = std::any_of(std::begin(taken.first), std::end(taken.first),
+    [](std::int64_t number) { return number != 0; });
+  if (isMoved)
+  {
+    std::copy(std::begin(taken.zero), std::end(taken.zero), grid.Origin.begin());
+  }
   const bool isLined = taken.lines[0] && taken.lines[1] && taken.lines[2];
   made.Lines = isLined ? std::optional<GridLines>(GridLines()) : std::nullopt;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -118,8 +127,8 @@ Result<LevelDescription> TakeGrid(const si_grid* given)
     {
       return Status(StatusCode::InvalidArgument, "si_grid: dimensions are at least 1");
     }
-    grid.Extent[2 * axis] = 0;
-    grid.Extent[2 * axis + 1] = taken.dimensions[axis] - 1;
+    grid.Extent[2 * axis] = taken.first[axis];
+    grid.Extent[2 * axis + 1] = taken.first[axis] + taken.dimensions[axis] - 1;
     if (isLined)
     {
       made.Lines->Coordinates[axis].assign(
@@ -457,6 +466,20 @@ si_result si_volume_spectrum(
       ISOSURFACE_ASSIGN_OR_RETURN(
         auto found, ReadSpectrum(*volume->File, samples, call.GetProgress()));
       return Give(std::make_unique<OwnedSpectrum>(std::move(found)), spectrum);
+    });
+}
+
+si_result si_volume_propose(
+  si_volume* volume, const si_scalar* scalar, const si_run* run, double* isovalue)
+{
+  return RunOn(volume, run,
+    [&](Call& call) -> Status
+    {
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, volume->Find(scalar ? *scalar : si_scalar{}));
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        const auto found, ReadSpectrum(*volume->File, samples, call.GetProgress()));
+      *isovalue = ProposeIsovalue(*found).value_or(std::numeric_limits<double>::quiet_NaN());
+      return Status::Ok();
     });
 }
 

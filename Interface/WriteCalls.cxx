@@ -108,6 +108,12 @@ Result<BlockedVolumeSettings> TakeSettings(const si_settings* given, int threads
   settings.NumberOfStores = taken.stores;
   settings.NumberOfReplicas = taken.replicas;
   settings.Append = taken.append != 0;
+  if (taken.distribution < 0 || taken.distribution > static_cast<int>(DistributionMethod::Balanced))
+  {
+    return Status(StatusCode::InvalidArgument, "si_settings: there is no such distribution");
+  }
+  settings.Distribution = static_cast<DistributionMethod>(taken.distribution);
+  settings.RandomSeed = taken.random_seed;
   settings.MemoryLimit = taken.memory != 0 ? taken.memory : settings.MemoryLimit;
   settings.Threads = threads;
   settings.Warn = [&call](const std::string& warning) { call.Warn(warning); };

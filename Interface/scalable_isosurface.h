@@ -42,8 +42,8 @@
  *
  * Versions. A structure begins with its size in bytes, as the caller was compiled: `si_run run = { .size = sizeof(run) };`
  * leaves all else 0, which always means the usual. Later versions append members, and understand structures of
- * earlier ones. A structure that the library gives may be larger than the caller knows. si_array, si_scalar and
- * si_values have no size, and never change.
+ * earlier ones. A structure that the library gives may be larger than the caller knows. si_array, si_scalar,
+ * si_values and si_islands have no size, and never change.
  */
 
 #include <stddef.h>
@@ -234,6 +234,8 @@ extern "C"
     const double* lines[3]; /* of a rectilinear grid the coordinates on each axis; else NULL */
     const char* length_unit; /* "" or NULL if it is not known */
     int64_t chunk[3];       /* the vertices that are best read together; 0: any */
+    int64_t first[3];       /* the number of the first vertex on each axis, where images count from another one than 0; */
+    double zero[3];         /* then vertex 0 is here, and the origin says nothing */
   } si_grid;
   /* Of a level. Lives until the volume is closed. NULL if there is no such level. */
   SI_API const si_grid* si_volume_grid(si_volume* volume, size_t level);
@@ -313,6 +315,10 @@ extern "C"
   SI_API si_result si_volume_spectrum(
     si_volume* volume, const si_scalar* scalar, const si_run* run, si_spectrum** spectrum);
   SI_API void si_spectrum_free(si_spectrum* spectrum);
+  /* An isovalue to begin with: that which divides the samples into the two classes that differ most; NaN if there are
+   * not two values. */
+  SI_API si_result si_volume_propose(
+    si_volume* volume, const si_scalar* scalar, const si_run* run, double* isovalue);
 
   enum
   {
@@ -342,6 +348,13 @@ extern "C"
     uint64_t maximum_islands;         /* of each isovalue, the largest; 0: all */
     uint64_t maximum_triangles;       /* of all ranks; 0: any number. A coarser level is taken if need be, */
     double maximum_seconds;           /* likewise if it is expected to take longer */
+    int32_t vtk_version;       /* as 902, for VTK 9.2: offsets, the width of corners and the last bits of normals are as there */
+    int32_t polygons;          /* not 0: one for each sheet in a cell, in place of triangles */
+    int32_t skip_not_a_number; /* not 0: there is no surface in cells with a NaN; 0: NaN is below the isovalue */
+    int32_t island_ids;        /* not 0: the island of each triangle */
+    const double* island_point; /* x y z: of the islands that are left only the one that is nearest; NULL: all */
+    size_t half_space_count;    /* only blocks that meet all of them: */
+    const double* half_spaces;  /* four numbers each, a normal n and d: points p with n * p of at most d */
   } si_surface_request;
 
   /* How many triangles there are in the whole volume, without the islands' and the region's limits: an estimate, but
@@ -370,6 +383,15 @@ extern "C"
     void* values;
   } si_values;
 
+  /* Of the surface of an isovalue, on all ranks, before and after some were left out. */
+  typedef struct si_islands
+  {
+    uint64_t islands;
+    uint64_t kept_islands;
+    uint64_t triangles;
+    uint64_t kept_triangles;
+  } si_islands;
+
   /* Triangles that share their points. The memory is that in which the surface was made; the caller may change what
    * is in it. */
   typedef struct si_surface
@@ -390,6 +412,10 @@ extern "C"
     size_t attribute_count;
     const si_values* attributes;
     size_t level; /* coarser than asked for if a limit wanted it */
+    const void* offsets; /* triangle_count + 1 of corner_type: polygon n has the corners from number offsets[n] on; NULL
+                          * unless vtk_version or polygons were asked for */
+    const int64_t* island_ids; /* of each triangle: the place of its island among all, 0 is the largest; or NULL */
+    const si_islands* islands; /* part_count; NULL if islands were not looked for */
   } si_surface;
   SI_API void si_surface_free(si_surface* surface);
 
@@ -420,7 +446,9 @@ extern "C"
     int32_t preview_level; /* a coarse surface of every 2^level-th vertex is kept, too; 0: none */
     double maximum_error;  /* 0 is 0.01 */
     double array_error;    /* that values of attributes may change; 0: none */
-    double normal_error;   /* of a component; 0 is 0.005 */
+    double normal_error;   /* of a component; 0 is 0.005, below 0: none */
+    int32_t profile;       /* 0: small; 3: working, which is read and written faster, and larger */
+    uint64_t memory;       /* bytes that a rank holds before it writes; 0 is 256 MiB */
   } si_coding;
 
   /* Writes the isosurfaces as an edge-index file (.eix). A file that is there is replaced when the new one is complete.
@@ -455,6 +483,22 @@ extern "C"
   SI_API si_result si_surface_file_read(si_surface_file* file, size_t isovalue_count, const size_t* isovalues,
     int preview, int normals, const si_run* run, si_surface** surface);
 
+  /* What is read of a file. */
+  typedef struct si_surface_reading
+  {
+    size_t size;
+    int32_t preview;     /* not 0: the coarse surface */
+    int32_t normals;     /* not 0: those of the file, or else of the triangles */
+    int32_t global_ids;  /* not 0: numbers of the points that are the same in all pieces */
+    int32_t vtk_version; /* as in si_surface_request */
+    int32_t piece;       /* of piece_count, which have about as many points each */
+    int32_t piece_count; /* 0 is 1 */
+    const double* region; /* x0 x1 y0 y1 z0 z1: only blocks that reach into this box; NULL: all */
+  } si_surface_reading;
+  /* Decodes the surfaces of all isovalues, or a piece of them. */
+  SI_API si_result si_surface_file_read_piece(
+    si_surface_file* file, const si_surface_reading* reading, const si_run* run, si_surface** surface);
+
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Writing volumes */
 
@@ -468,6 +512,8 @@ extern "C"
     uint32_t replicas;    /* stores that have each block; 0 is 1 */
     int32_t append;       /* not 0: to the volume that is there */
     uint64_t memory;      /* bytes that a rank may take; 0 is 1 GiB */
+    int32_t distribution; /* of blocks over stores: 0 greedy, 1 random, 2 slab, 3 balanced */
+    uint64_t random_seed; /* of the random one */
   } si_settings;
 
   /* What a reader is asked for: samples of the box [low, high) of an array at a time step. */

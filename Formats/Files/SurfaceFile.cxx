@@ -2,6 +2,7 @@
 #include "Formats/Files/SurfaceFile.h"
 
 #include "Ground/Base/FileSystem.h"
+#include "Ground/Volume/VertexPlaces.h"
 #include "Surface/Contour/TriangleNormals.h"
 
 #include <cstdint>
@@ -37,16 +38,18 @@ std::vector<std::string> SurfaceFile::GetAttributes() const
   return names;
 }
 
-Result<Surface> SurfaceFile::Read(const std::vector<std::size_t>& isovalues, bool preview,
+VertexBox SurfaceFile::FindVertices(const std::array<double, 6>& bounds) const
+{
+  return VertexPlaces(this->GetHeader().Geometry)
+    .FindVerticesAround({ bounds[0], bounds[2], bounds[4] }, { bounds[1], bounds[3], bounds[5] });
+}
+
+Result<Surface> SurfaceFile::Read(const EdgeIndexSelection& selection, ContourRequest request,
   bool normals, int threads, const Progress& progress) const
 {
-  EdgeIndexSelection selection;
-  selection.Isovalues = isovalues;
-  selection.Preview = preview;
-  ContourRequest request;
   for (const EdgeIndexAttribute& attribute : this->GetHeader().Attributes)
   {
-    request.Normals = request.Normals || (normals && !preview && attribute.IsNormals);
+    request.Normals = request.Normals || (normals && !selection.Preview && attribute.IsNormals);
   }
   auto surface = this->File->Read(selection, request, threads, progress);
   if (surface.IsOk() && normals && !request.Normals)

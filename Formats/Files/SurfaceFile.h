@@ -7,7 +7,7 @@
 #include "Ground/Base/Status.h"
 #include "Surface/Contour/Surface.h"
 
-#include <cstddef>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,11 +31,12 @@ public:
   /// The names of the arrays on the points, normals left out.
   std::vector<std::string> GetAttributes() const;
 
-  /// The surface of the isovalues with these numbers, in this order; of all if there are none.
   /// Normals are those of the file; if it has none, those of the triangles. A preview has no
-  /// attributes.
-  Result<Surface> Read(const std::vector<std::size_t>& isovalues, bool preview, bool normals,
+  /// attributes. Of the request, GlobalIds, Offsets and WideIndices count.
+  Result<Surface> Read(const EdgeIndexSelection& selection, ContourRequest request, bool normals,
     int threads, const Progress& progress) const;
+  /// The vertices between which all cells lie that meet a box x0, x1, y0, y1, z0, z1 of the world.
+  VertexBox FindVertices(const std::array<double, 6>& bounds) const;
 
 private:
   explicit SurfaceFile(std::unique_ptr<EdgeIndexFile> file)

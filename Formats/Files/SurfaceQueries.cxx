@@ -25,6 +25,24 @@ struct SearchedBlocks
   SurfaceQuery Query;
 };
 
+/// Whether an edge-index file can hold what is asked for.
+Status CheckIsWritable(const SurfaceRequest& request)
+{
+  const bool isClosed = !request.ClosedSides.IsEmpty();
+  const char* const refused = request.Polygons ? "polygons: it has triangles"
+    : request.SkipNotANumber                   ? "the holes of samples that are not a number"
+    : request.Islands && request.Islands->Ids
+    ? "the islands of triangles: it has no arrays of these"
+    : request.DropDegenerateTriangles && !isClosed
+    ? "an open surface without its degenerate triangles"
+    : isClosed && (request.Normals || !request.Attributes.empty())
+    ? "arrays and normals of a closed surface, whose caps have none"
+    : nullptr;
+  return refused
+    ? Status(StatusCode::InvalidArgument, std::string("an edge-index file cannot hold ") + refused)
+    : Status::Ok();
+}
+
 Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress)
 {
@@ -42,15 +60,12 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   searched.Query.Rank = request.Ranks ? request.Ranks->GetRank() : 0;
   searched.Query.Ranks = request.Ranks ? request.Ranks->GetSize() : 1;
   searched.Query.Selection.ClosedSides = request.ClosedSides;
-  if (request.Bounds)
-  {
-    searched.Query.Selection.Region = Region::FromBounds(*request.Bounds);
-  }
+  searched.Query.Selection.Region = request.Where;
   return searched;
 }
 
 Status KeepIslands(Communicator& ranks, const ExtractionTask& task, int level,
-  IslandRequest islands, Surface& surface)
+  IslandRequest islands, Surface& surface, ChosenIslands& chosen)
 {
   islands.Level = level;
   IslandGrids grids;
@@ -60,8 +75,7 @@ Status KeepIslands(Communicator& ranks, const ExtractionTask& task, int level,
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForIslands, make));
-  ChosenIslands unused;
-  return ChooseIslands(ranks, islands, grids, task.Threads, surface, unused);
+  return ChooseIslands(ranks, islands, grids, task.Threads, surface, chosen);
 }
 
 SerialCommunicator& GetAlone()
@@ -100,8 +114,17 @@ std::array<double, 2> FindValues(const KeyRange& range, ValueType type)
 
 } // namespace
 
+void MatchVtk(int version, ContourRequest& request)
+{
+  request.NormalsRoundedOnce = version == 0 || version >= 904;
+  request.NormalsByDirection = version != 0 && version < 902;
+  request.WideIndices = version != 0 && version < 904;
+  request.Offsets = version != 0;
+}
+
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress, std::string& warning, int* level)
+  const SurfaceRequest& request, const Progress& progress, std::string& warning, int* level,
+  ChosenIslands* islands)
 {
   Communicator& ranks = request.Ranks ? *request.Ranks : GetAlone();
   ISOSURFACE_ASSIGN_OR_RETURN(
@@ -111,7 +134,9 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   task.Query = searched.Query;
   task.Request.Isovalues = request.Isovalues;
   task.Request.Normals = request.Normals;
-  task.Request.NormalsRoundedOnce = true;
+  MatchVtk(request.VtkVersion, task.Request);
+  task.Request.Polygons = request.Polygons;
+  task.Request.SkipNotANumber = request.SkipNotANumber;
   task.Request.Precision = request.Precision;
   task.Request.ClosedSides = request.ClosedSides;
   task.Request.DropDegenerateTriangles = request.DropDegenerateTriangles;
@@ -140,8 +165,9 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   const int found = outcome.Cost.Level;
   if (request.Islands)
   {
-    ISOSURFACE_RETURN_IF_ERROR(
-      KeepIslands(ranks, task, found, *request.Islands, outcome.Extracted));
+    ChosenIslands unused;
+    ISOSURFACE_RETURN_IF_ERROR(KeepIslands(
+      ranks, task, found, *request.Islands, outcome.Extracted, islands ? *islands : unused));
   }
   if (level)
   {
@@ -180,6 +206,7 @@ Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
   const Progress& progress)
 {
   Communicator& ranks = request.Ranks ? *request.Ranks : GetAlone();
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(CheckIsWritable(request)));
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto searched, MakeCommonQuery(ranks, file, samples, request, progress));
   ContourBlocks blocks;
@@ -206,7 +233,7 @@ Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, file.GetPath(), collect));
   ContourRequest normals;
-  normals.NormalsRoundedOnce = true;
+  MatchVtk(request.VtkVersion, normals);
   ISOSURFACE_ASSIGN_OR_RETURN(auto header,
     ShareHeader(ranks, true, normals,
       [&]

@@ -6,6 +6,7 @@
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ground/Base/Communicator.h"
+#include "Ground/Volume/Region.h"
 #include "Ranks/Islands/IslandChoice.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
@@ -34,11 +35,14 @@ struct ContouredSamples
 struct SurfaceRequest
 {
   std::vector<double> Isovalues;
-  std::optional<std::array<double, 6>> Bounds; ///< Region::FromBounds; nothing: everywhere
+  Region Where; ///< only blocks that meet it
   bool Normals = false;
   PointPrecision Precision = PointPrecision::Default;
   GridSides ClosedSides;
   bool DropDegenerateTriangles = false;
+  bool Polygons = false;                ///< in place of triangles
+  bool SkipNotANumber = false;          ///< as ContourRequest
+  int VtkVersion = 0;                   ///< MatchVtk
   std::optional<IslandRequest> Islands; ///< nothing: all
   std::vector<std::size_t> Attributes;  ///< arrays to interpolate
   int Threads = 1;
@@ -47,12 +51,16 @@ struct SurfaceRequest
   Communicator* Ranks = nullptr; ///< that share the surface; null: this process alone has it
 };
 
+/// Offsets of cells, the width of their corners and the last bits of normals are those of a version of VTK (902 is
+/// 9.2). 0: there are no offsets, corners have the fewest bytes, normals are those of 9.4.
+void MatchVtk(int version, ContourRequest& request);
+
 /// The isosurfaces; of several ranks this one's part. `warning` names lost stores, whose replicas were read.
-/// `level` becomes that of the surface. Collective with ranks. Cost and errors: StoredField, ChooseIslands,
-/// and GetBlocks of the file.
+/// `level` becomes that of the surface, `islands` what was found of them. Collective with ranks. Cost and errors:
+/// StoredField, ChooseIslands, and GetBlocks of the file.
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning,
-  int* level = nullptr);
+  int* level = nullptr, ChosenIslands* islands = nullptr);
 
 /// Writes them as an edge-index file. Of the header, settings, preview and errors of arrays count
 /// (`arrayError`, `normalError`). Collective with ranks. Errors: CollectVolumeBlocks, LeaveOutIslands,
