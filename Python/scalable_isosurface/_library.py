@@ -57,7 +57,7 @@ _make_run, _Run = _sized(
 _, _Texts = _sized("si_texts", ("count", c_size_t), ("texts", POINTER(c_char_p)))
 _make_opening, _ = _sized(
     "si_opening",
-    ("axes", c_char_p), ("index_folder", c_char_p), ("spacing", c_void_p), ("origin", c_void_p),
+    ("axes", c_char_p), ("index_folder", c_char_p), ("spacing", POINTER(c_double)), ("origin", POINTER(c_double)),
     ("length_unit", c_char_p),
 )  # fmt: skip
 _, _VolumeInfo = _sized(
@@ -69,7 +69,7 @@ _make_grid, _Grid = _sized(
     "si_grid",
     ("dimensions", _three_integers), ("spacing", _three_numbers), ("origin", _three_numbers),
     ("direction", c_double * 9), ("lines", POINTER(c_double) * 3), ("length_unit", c_char_p),
-    ("chunk", _three_integers),
+    ("chunk", _three_integers), ("first", _three_integers), ("zero", _three_numbers),
 )  # fmt: skip
 _make_box, _ = _sized(
     "si_box",
@@ -88,6 +88,8 @@ _make_request, _ = _sized(
     ("normals", c_int32), ("global_ids", c_int32), ("points", c_int32), ("closed", c_int32),
     ("drop_degenerate_triangles", c_int32), ("island_size", c_int32), ("minimum_island", c_double),
     ("maximum_islands", c_uint64), ("maximum_triangles", c_uint64), ("maximum_seconds", c_double),
+    ("vtk_version", c_int32), ("polygons", c_int32), ("skip_not_a_number", c_int32), ("island_ids", c_int32),
+    ("island_point", POINTER(c_double)), ("half_space_count", c_size_t), ("half_spaces", POINTER(c_double)),
 )  # fmt: skip
 _, _Boxes = _sized("si_boxes", ("count", c_size_t), ("boxes", c_void_p))
 _, _Surface = _sized(
@@ -95,7 +97,8 @@ _, _Surface = _sized(
     ("point_count", c_size_t), ("triangle_count", c_size_t), ("point_type", c_int32), ("corner_type", c_int32),
     ("points", c_void_p), ("corners", c_void_p), ("normals", c_void_p), ("global_ids", c_void_p),
     ("part_count", c_size_t), ("isovalues", c_void_p), ("first_points", c_void_p), ("first_triangles", c_void_p),
-    ("attribute_count", c_size_t), ("attributes", POINTER(_Values)), ("level", c_size_t),
+    ("attribute_count", c_size_t), ("attributes", POINTER(_Values)), ("level", c_size_t), ("offsets", c_void_p),
+    ("island_ids", c_void_p), ("islands", c_void_p),
 )  # fmt: skip
 _, _SurfaceInfo = _sized(
     "si_surface_file_info",
@@ -106,12 +109,38 @@ _, _SurfaceInfo = _sized(
 _make_settings, _ = _sized(
     "si_settings",
     ("block_size", c_int32), ("codec_level", c_int32), ("codec", c_char_p), ("stores", c_uint32),
-    ("replicas", c_uint32), ("append", c_int32), ("memory", c_uint64),
+    ("replicas", c_uint32), ("append", c_int32), ("memory", c_uint64), ("distribution", c_int32),
+    ("random_seed", c_uint64),
 )  # fmt: skip
 _, _Reading = _sized(
     "si_reading",
     ("context", c_void_p), ("step", c_size_t), ("array", c_size_t), ("low", _three_integers),
     ("high", _three_integers), ("samples", c_void_p), ("bytes", c_size_t),
+)  # fmt: skip
+_make_reading, _ = _sized(
+    "si_surface_reading",
+    ("preview", c_int32), ("normals", c_int32), ("global_ids", c_int32), ("vtk_version", c_int32), ("piece", c_int32),
+    ("piece_count", c_int32), ("region", POINTER(c_double)),
+)  # fmt: skip
+_make_coding, _ = _sized(
+    "si_coding",
+    ("mode", c_int32), ("preview_level", c_int32), ("maximum_error", c_double), ("array_error", c_double),
+    ("normal_error", c_double), ("profile", c_int32), ("memory", c_uint64),
+)  # fmt: skip
+_, _Slice = _sized(
+    "si_slice", ("grid", POINTER(_Grid)), ("level", c_size_t), ("values", c_void_p), ("inside", c_void_p)
+)
+_make_growing_state, _ = _sized(
+    "si_growing_state",
+    ("stage", c_int32), ("done", c_double), ("seconds_left", c_double), ("share", c_double), ("text", c_char_p),
+)  # fmt: skip
+_AllGather = ctypes.CFUNCTYPE(ctypes.c_int, c_void_p, c_void_p, c_void_p, c_size_t)
+_Exchange = ctypes.CFUNCTYPE(
+    ctypes.c_int, c_void_p, POINTER(c_void_p), POINTER(c_size_t), POINTER(c_void_p), POINTER(c_size_t)
+)
+_make_ranks, _ = _sized(
+    "si_ranks",
+    ("rank", c_int32), ("count", c_int32), ("context", c_void_p), ("all_gather", _AllGather), ("exchange", _Exchange),
 )  # fmt: skip
 _Reader = ctypes.CFUNCTYPE(ctypes.c_int, POINTER(_Reading))
 
@@ -124,26 +153,38 @@ _FUNCTIONS = {
     "read_attributes": "sspp",
     "volume_open": "sppp",
     "volume_read": "pppzp",
+    "volume_range": "pppp",
+    "volume_probe": "ppizpppp",
+    "volume_slice": "ppppdpp",
     "volume_spectrum": "pppp",
+    "volume_propose": "pppp",
     "volume_find_blocks": "pppp",
     "volume_extract": "pppp",
     "surface_file_open": "spp",
+    "volume_estimate": "pppp",
+    "volume_write_surface": "ppspp",
     "surface_file_read": "pzpiipp",
+    "surface_file_read_piece": "pppp",
     "write_volume": "spzpzprppp",
     "volume_write": "pspppp",
     "write_index": "spup",
+    "growing_begin": "spzdupp",
+    "growing_poll": "pdpp",
+    "growing_take": "ppp",
 }
 # What gives a structure, or NULL; what takes one back.
 _GIVERS: Dict[str, Tuple[str, Any]] = {
     "volume_describe": ("p", POINTER(_VolumeInfo)),
     "volume_grid": ("pz", POINTER(_Grid)),
     "surface_file_describe": ("p", POINTER(_SurfaceInfo)),
+    "version": ("", c_int32),
     "error": ("", c_char_p),
     "type_name": ("i", c_char_p),
     **{
         name: ("p", None)
         for name in (
-            "texts_free", "volume_close", "spectrum_free", "boxes_free", "surface_free", "surface_file_close"
+            "texts_free", "volume_close", "slice_free", "spectrum_free", "boxes_free", "surface_free",
+            "surface_file_close", "growing_stop", "growing_free",
         )
     },
 }  # fmt: skip
@@ -232,6 +273,56 @@ while _si.type_name(len(VALUE_TYPES)):
     VALUE_TYPES.append(_si.type_name(len(VALUE_TYPES)).decode())
 
 
+class Ranks:
+    """The ranks of a parallel program. `all_gather` fills an array with those of all ranks; `exchange` is called once
+    for each other rank, in an order in which partners meet, with what is sent and what is filled."""
+
+    def __init__(
+        self,
+        rank: int,
+        count: int,
+        all_gather: Callable[[numpy.ndarray, numpy.ndarray], Any],
+        exchange: Callable[[int, numpy.ndarray, numpy.ndarray], Any],
+    ) -> None:
+        self.rank, self.count, self.all_gather = rank, count, all_gather
+
+        def gather(_: Any, mine: int, whole: int, size: int) -> int:
+            all_gather(_find_bytes(mine, size), _find_bytes(whole, size * count))
+            return 0
+
+        def swap(_: Any, outgoing: Any, sent: Any, incoming: Any, received: Any) -> int:
+            for turn in range(count):
+                other = (turn - rank) % count
+                if other != rank:
+                    exchange(other, _find_bytes(outgoing[other], sent[other]), _find_bytes(incoming[other], received[other]))
+            return 0
+
+        self._callbacks = _AllGather(gather), _Exchange(swap)
+        self.structure = _make_ranks(rank=rank, count=count, all_gather=self._callbacks[0], exchange=self._callbacks[1])
+
+
+def _find_bytes(address: Optional[int], size: int) -> numpy.ndarray:
+    """Memory of the library, during a call."""
+    memory: Any = (ctypes.c_uint8 * size).from_address(address) if address and size else b""
+    return numpy.frombuffer(memory, numpy.uint8)
+
+
+class How:
+    """How calls run: on which ranks, and who learns of their progress and warnings, and may stop them."""
+
+    def __init__(
+        self,
+        ranks: Optional[Ranks] = None,
+        progress: Optional[Callable[[float], int]] = None,
+        warn: Optional[Callable[[str], Any]] = None,
+    ) -> None:
+        self.ranks, self.progress, self.warn = ranks, progress, warn
+        self.alone = How(None, progress, warn) if ranks else self  #: for calls that are not collective
+
+
+_ALONE = How()
+
+
 class _Call:
     """A call that reads or writes. It ends with what a callback has raised: a handler of a signal, a warning where
     these are errors, or a source."""
@@ -243,13 +334,16 @@ class _Call:
         self._raised: List[BaseException] = []
         self._caller = 0
         self._told: Optional[List[str]] = None
+        self._how = _ALONE
         self._run = _make_run(
-            progress=_Progress(self.listen(lambda _: 0, 1)), warn=_Warn(self.listen(self._warn, 1))
+            progress=_Progress(self.listen(self._advance, 1)), warn=_Warn(self.listen(self._warn, 1))
         )
         self.run = byref(self._run)
 
     @classmethod
-    def begin(cls, threads: int = 0, caller: int = 0, told: Optional[List[str]] = None) -> _Call:
+    def begin(
+        cls, threads: int = 0, caller: int = 0, told: Optional[List[str]] = None, how: How = _ALONE
+    ) -> _Call:
         """`caller`: how many frames above the function with this call a warning is of. `told`: takes them instead."""
         try:
             call = cls._idle.pop()
@@ -258,10 +352,17 @@ class _Call:
         call._run.threads = min(threads, (1 << 31) - 1)
         call._caller = caller
         call._told = told
+        call._how = how
+        call._run.ranks = None if how.ranks is None else ctypes.addressof(how.ranks.structure)
         return call
 
+    def _advance(self, done: float) -> int:
+        return self._how.progress(done) if self._how.progress else 0
+
     def _warn(self, message: bytes) -> int:
-        if self._told is None:
+        if self._how.warn:
+            self._how.warn(_text(message))
+        elif self._told is None:
             warnings.warn(_text(message), stacklevel=3 + self._caller)
         else:
             self._told.append(_text(message))
@@ -324,7 +425,23 @@ def _view(owner: _Owned, address: Optional[int], dtype: Any, *shape: int) -> num
     return numpy.asarray(_Memory(owner, address, numpy.dtype(dtype), shape))
 
 
-def _find_surface(owner: _Owned, normals: bool) -> Dict[str, Any]:
+def view_cells(owner: _Owned) -> Dict[str, Any]:
+    """What else a surface has that VTK's filters give: offsets, global_ids and island_ids, or None, four numbers of
+    the islands of each part, and its level."""
+    surface = owner.pointer.contents
+    kind, triangles = VALUE_TYPES[surface.corner_type], surface.triangle_count
+    offsets = _view(owner, surface.offsets, kind, triangles + 1)
+    return {
+        "offsets": offsets,
+        "corners": _view(owner, surface.corners, kind, int(offsets[-1]) if triangles else 0),
+        "global_ids": _view(owner, surface.global_ids, "int64", surface.point_count),
+        "island_ids": _view(owner, surface.island_ids, "int64", triangles) if surface.island_ids else None,
+        "islands": _view(owner, surface.islands, "int64", surface.part_count, 4) if surface.islands else None,
+        "level": surface.level,
+    }
+
+
+def view_surface(owner: _Owned, normals: bool) -> Dict[str, Any]:
     """What Surface is made of, by the names of its arguments."""
     surface = owner.pointer.contents
     points, triangles, parts = surface.point_count, surface.triangle_count, surface.part_count
@@ -365,30 +482,78 @@ def read_attributes(path: bytes, axes: str) -> str:
     return _list_texts(_si.read_attributes, path, encode(axes))[0]
 
 
-def open_volume(path: bytes, axes: str, folder: bytes, threads: int) -> VolumeFile:
-    return VolumeFile(path, _make_opening(axes=encode(axes), index_folder=folder), threads)
+def _opening(
+    axes: str, folder: bytes, spacing: Sequence[float] = (), origin: Sequence[float] = (), unit: Optional[str] = None
+) -> Any:
+    """A reference to a si_opening."""
+    return byref(
+        _make_opening(
+            axes=encode(axes),
+            index_folder=folder,
+            spacing=_three_numbers(*spacing) if spacing else None,
+            origin=_three_numbers(*origin) if origin else None,
+            length_unit=None if unit is None else encode(unit),
+        )
+    )
+
+
+def open_volume(path: bytes, axes: str, folder: bytes, threads: int, how: How = _ALONE, **place: Any) -> VolumeFile:
+    """`place`: spacing, origin and unit in place of the file's."""
+    owned = _Owned(None, _si.volume_close)
+    with _Call.begin(threads, how=how.alone) as call:
+        _si.volume_open(path, _opening(axes, folder, **place), call.run, owned.place)
+    return VolumeFile(owned, how)
 
 
 def open_surface(path: bytes) -> SurfaceFile:
     return SurfaceFile(path)
 
 
-def write_index(path: bytes, axes: str, folder: bytes, memory: int, threads: int) -> str:
+def write_index(path: bytes, axes: str, folder: bytes, memory: int, threads: int, how: How = _ALONE) -> str:
     """What of the file is left out."""
     told: List[str] = []
-    with _Call.begin(threads, told=told) as call:
-        opening = _make_opening(axes=encode(axes), index_folder=folder)
-        _si.write_index(path, byref(opening), memory, call.run)
+    with _Call.begin(threads, told=told, how=how) as call:
+        _si.write_index(path, _opening(axes, folder), memory, call.run)
     return "".join(told)
+
+
+class GrowingFile:
+    """si_growing: a file that is shown while it is indexed."""
+
+    def __init__(self, path: bytes, axes: str, folder: bytes, step: int, memory: int, how: How, **place: Any) -> None:
+        self._owned = _Owned(None, _si.growing_free)
+        self._how = how
+        with _Call.begin(how=how) as call:
+            opening = _opening(axes, folder, **place)
+            _si.growing_begin(path, opening, step, 0, memory, call.run, self._owned.place)
+
+    def poll(self, seconds: float = 0) -> Tuple[int, float, str]:
+        """The stage (0: nothing is new, 1: there is a larger sample, 2: the volume is ready), the finished part of the
+        index, and what the sample is of the file."""
+        state = _make_growing_state()
+        with _Call.begin(how=self._how) as call:
+            _si.growing_poll(self._owned.pointer, seconds, call.run, byref(state))
+        return state.stage, state.done, _text(state.text or b"")
+
+    def take(self) -> VolumeFile:
+        owned = _Owned(None, _si.volume_close)
+        with _Call.begin(how=self._how) as call:
+            _si.growing_take(self._owned.pointer, call.run, owned.place)
+        return VolumeFile(owned, self._how)
+
+
+def _describe(grid: Any) -> Tuple[Any, ...]:
+    lines = [line[:size] for line, size in zip(grid.lines, grid.dimensions)] if grid.lines[0] else None
+    parts = (tuple(part) for part in (grid.dimensions, grid.spacing, grid.origin, grid.direction))
+    return (*parts, lines, tuple(grid.chunk), _text(grid.length_unit), tuple(grid.first), tuple(grid.zero))
 
 
 class VolumeFile:
     """si_volume."""
 
-    def __init__(self, path: bytes, opening: Any, threads: int) -> None:
-        self._owned = _Owned(None, _si.volume_close)
-        with _Call.begin(threads) as call:
-            _si.volume_open(path, byref(opening), call.run, self._owned.place)
+    def __init__(self, owned: _Owned, how: How) -> None:
+        self._owned = owned
+        self.how = how
         info = _si.volume_describe(self._owned.pointer).contents
         self.path: bytes = info.path
         self.arrays: List[Tuple[str, str, int, str]] = [
@@ -402,24 +567,21 @@ class VolumeFile:
         self.left_out: str = _text(info.left_out)
 
     def describe(self, level: int) -> Tuple[Any, ...]:
-        """Dimensions, spacing, origin, direction, lines or None, chunk and unit of length."""
-        grid = _si.volume_grid(self._owned.pointer, level).contents
-        lines = [line[:size] for line, size in zip(grid.lines, grid.dimensions)] if grid.lines[0] else None
-        parts = (tuple(part) for part in (grid.dimensions, grid.spacing, grid.origin, grid.direction))
-        return (*parts, lines, tuple(grid.chunk), _text(grid.length_unit))
+        """Dimensions, spacing, origin, direction, lines or None, chunk, unit of length, first and zero."""
+        return _describe(_si.volume_grid(self._owned.pointer, level).contents)
 
     def read(self, samples: numpy.ndarray, components: Sequence[int], threads: int, **box: Any) -> None:
         """`box`: members of si_box."""
         numbers = (c_int32 * len(components))(*components)
         whole = _make_box(component_count=len(components), components=numbers, **box)
-        with _Call.begin(threads) as call:
+        with _Call.begin(threads, how=self.how.alone) as call:
             memory = samples.__array_interface__["data"][0]
             _si.volume_read(self._owned.pointer, byref(whole), memory, samples.nbytes, call.run)
 
     def spectrum(self, scalar: Tuple[int, int, int, int]) -> Dict[str, Any]:
         """`scalar`: array, component, time step and level."""
         owner = _Owned(_Spectrum, _si.spectrum_free)
-        with _Call.begin() as call:
+        with _Call.begin(how=self.how.alone) as call:
             _si.volume_spectrum(self._owned.pointer, byref(_Scalar(*scalar)), call.run, owner.place)
         found = owner.pointer.contents
         quantities: Dict[str, Any] = {"isovalues": _view(owner, found.isovalues, "float64", found.count).copy()}
@@ -428,6 +590,65 @@ class VolumeFile:
             dtype = "float64" if name in ("area", "volume") else "uint64"
             quantities[name] = None if address is None else _view(owner, address, dtype, found.count).copy()
         return quantities
+
+    def range(self, scalar: Tuple[int, int, int, int]) -> Tuple[float, float]:
+        """Of the finite samples; NaN if there are none."""
+        found = (c_double * 2)()
+        with _Call.begin(how=self.how.alone) as call:
+            _si.volume_range(self._owned.pointer, byref(_Scalar(*scalar)), call.run, found)
+        return found[0], found[1]
+
+    def propose(self, scalar: Tuple[int, int, int, int]) -> float:
+        """An isovalue to begin with; NaN if there are not two values."""
+        found = c_double()
+        with _Call.begin(how=self.how.alone) as call:
+            _si.volume_propose(self._owned.pointer, byref(_Scalar(*scalar)), call.run, byref(found))
+        return found.value
+
+    def probe(
+        self, scalar: Tuple[int, int, int, int], nearest: bool, points: numpy.ndarray, values: numpy.ndarray
+    ) -> numpy.ndarray:
+        """Fills `values` at points of the world, those within the grid alone: the truth of that is returned."""
+        inside = numpy.zeros(len(points), numpy.uint8)
+        places = numpy.ascontiguousarray(points, numpy.float64)
+        with _Call.begin(how=self.how.alone) as call:
+            _si.volume_probe(
+                self._owned.pointer, byref(_Scalar(*scalar)), nearest, len(points), places.ctypes.data,
+                values.ctypes.data, inside.ctypes.data, call.run,
+            )  # fmt: skip
+        return inside
+
+    def slice(
+        self, scalar: Tuple[int, int, int, int], origin: Sequence[float], normal: Sequence[float], most: float
+    ) -> Optional[Tuple[Any, int, numpy.ndarray, numpy.ndarray]]:
+        """Grid, level, tuples of values (y, x, components), and which are within the volume; None beside it."""
+        owner = _Owned(_Slice, _si.slice_free)
+        with _Call.begin(how=self.how.alone) as call:
+            _si.volume_slice(
+                self._owned.pointer, byref(_Scalar(*scalar)), _three_numbers(*origin), _three_numbers(*normal), most,
+                call.run, owner.place,
+            )  # fmt: skip
+        if not owner.pointer:
+            return None
+        found = owner.pointer.contents
+        _, kind, components, _ = self.arrays[scalar[0]]
+        x, y, _ = found.grid.contents.dimensions
+        return (
+            _describe(found.grid.contents), found.level, _view(owner, found.values, kind, y, x, components),
+            _view(owner, found.inside, "uint8", y, x),
+        )  # fmt: skip
+
+    def estimate(self, **request: Any) -> float:
+        triangles = c_double()
+        with _Call.begin(how=self.how) as call:
+            _si.volume_estimate(self._owned.pointer, _request(**request), call.run, byref(triangles))
+        return triangles.value
+
+    def write_surface(self, path: bytes, coding: Dict[str, Any], **request: Any) -> None:
+        """`coding`: members of si_coding."""
+        with _Call.begin(how=self.how) as call:
+            settings = byref(_make_coding(**coding))
+            _si.volume_write_surface(self._owned.pointer, _request(**request), path, settings, call.run)
 
     def active_blocks(self, **request: Any) -> numpy.ndarray:
         """The vertices of active blocks: number, axis (z, y, x), ends [low, high)."""
@@ -438,14 +659,23 @@ class VolumeFile:
         return boxes[:, ::-1].copy()
 
     def isosurface(self, threads: int, normals: bool, **request: Any) -> Dict[str, Any]:
+        return view_surface(self.extract(threads, normals=normals, **request), normals)
+
+    def extract(self, threads: int, how: Optional[How] = None, **request: Any) -> _Owned:
+        """The structure of the library (`view_surface`, `view_cells`)."""
         owner = _Owned(_Surface, _si.surface_free)
-        with _Call.begin(threads, caller=2) as call:
-            _si.volume_extract(self._owned.pointer, _request(normals=normals, **request), call.run, owner.place)
-        return _find_surface(owner, normals)
+        with _Call.begin(threads, caller=3, how=how or self.how) as call:
+            _si.volume_extract(self._owned.pointer, _request(**request), call.run, owner.place)
+        return owner
 
 
 def _request(
-    isovalues: Sequence[float], region: Optional[Sequence[float]], attributes: Sequence[int] = (), **others: Any
+    isovalues: Sequence[float],
+    region: Optional[Sequence[float]] = None,
+    attributes: Sequence[int] = (),
+    island_point: Optional[Sequence[float]] = None,
+    half_spaces: Sequence[float] = (),
+    **others: Any,
 ) -> Any:
     """A reference to a si_surface_request with such other members."""
     return byref(
@@ -455,6 +685,9 @@ def _request(
             region=None if region is None else (c_double * 6)(*region),
             attribute_count=len(attributes),
             attributes=(c_size_t * len(attributes))(*attributes),
+            island_point=None if island_point is None else _three_numbers(*island_point),
+            half_space_count=len(half_spaces) // 4,
+            half_spaces=(c_double * len(half_spaces))(*half_spaces),
             **others,
         )
     )
@@ -484,7 +717,17 @@ class SurfaceFile:
             _si.surface_file_read(
                 self._owned.pointer, len(numbers), numbers, preview, normals, call.run, owner.place
             )
-        return _find_surface(owner, normals)
+        return view_surface(owner, normals)
+
+    def read_piece(self, how: How, region: Optional[Sequence[float]], **reading: Any) -> Any:
+        """`reading`: other members of si_surface_reading. The structure is that of the library (`view_surface`)."""
+        owner = _Owned(_Surface, _si.surface_free)
+        bounds = None if region is None else (c_double * 6)(*region)
+        with _Call.begin(how=how.alone) as call:
+            _si.surface_file_read_piece(
+                self._owned.pointer, byref(_make_reading(region=bounds, **reading)), call.run, owner.place
+            )
+        return owner
 
 
 def _read_slice(source: Any, reading: Any, kind: str, components: int) -> int:
@@ -506,6 +749,7 @@ class VolumeWriting:
     def __init__(self, path: bytes, lines: Optional[Sequence[Sequence[float]]], settings: Dict[str, Any], **grid: Any):
         """`grid`: members of si_grid; `settings`: of si_settings, and threads."""
         self._path = path
+        self.how = _ALONE
         self._grid = _make_grid(**grid)
         for axis, line in enumerate(lines or ()):
             self._grid.lines[axis] = (c_double * len(line))(*line)
@@ -530,7 +774,7 @@ class VolumeWriting:
             _, source, kind, components, _ = steps[reading.step][reading.array]
             return _read_slice(source, reading, kind, components)
 
-        with _Call.begin(self._threads, caller=3) as call:
+        with _Call.begin(self._threads, caller=3, how=self.how) as call:
             _si.write_volume(
                 self._path,
                 byref(self._grid),
@@ -546,7 +790,7 @@ class VolumeWriting:
 
     def write_file(self, file: VolumeFile, times: Sequence[Optional[float]]) -> None:
         """All time steps of a file."""
-        with _Call.begin(self._threads, caller=3) as call:
+        with _Call.begin(self._threads, caller=3, how=self.how) as call:
             _si.volume_write(
                 file._owned.pointer,
                 self._path,

@@ -38,7 +38,7 @@ class _Place(NamedTuple):
 
     def make_writing(self, path: str, description: Sequence[Any], settings: Dict[str, Any]) -> _library.VolumeWriting:
         """`description`: of the source, as that of a VolumeFile."""
-        dimensions, spacing, origin, direction, lines, _, unit = description
+        dimensions, spacing, origin, direction, lines, _, unit = description[:7]
         if self.spacing is not None:
             spacing, lines, unit = _take_three("spacing", self.spacing), None, ""
         elif lines is not None and (self.origin is not None or self.direction is not None):

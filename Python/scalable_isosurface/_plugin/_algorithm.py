@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What all algorithms of the plugin have."""
+
+import numpy
+from vtkmodules import vtkCommonDataModel as model
+from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
+from vtkmodules.vtkCommonCore import vtkOutputWindow
+from vtkmodules.vtkCommonExecutionModel import vtkDemandDrivenPipeline, vtkExecutive
+
+from .. import _library
+from ._arrays import to_vtk
+from ._definitions import parse_default, PROPERTIES
+
+
+def tell_error(text):
+    """One line, in the window and the terminal."""
+    vtkOutputWindow.GetInstance().DisplayErrorText(f"ERROR: ScalableIsosurface: {' '.join(text.split())}\n")
+
+
+def find_ranks():
+    """The ranks of ParaView; None if this process is alone."""
+    from vtkmodules.vtkParallelCore import vtkMultiProcessController
+
+    controller = vtkMultiProcessController.GetGlobalController()
+    count = controller.GetNumberOfProcesses() if controller else 1
+    if count == 1:
+        return None
+    rank = controller.GetLocalProcessId()
+
+    def exchange(other, outgoing, incoming):
+        steps = [(controller.Send, outgoing), (controller.Receive, incoming)]
+        for step, memory in steps if rank < other else reversed(steps):
+            if len(memory):
+                step(to_vtk(memory), other, 7311)
+
+    return _library.Ranks(rank, count, lambda mine, whole: controller.AllGather(to_vtk(mine), to_vtk(whole)), exchange)
+
+
+def gather_text(ranks, text):
+    """The texts of all ranks."""
+    if ranks is None:
+        return [text]
+    mine = numpy.frombuffer(text.encode(errors="replace"), numpy.uint8)
+    sizes = numpy.empty(8 * ranks.count, numpy.uint8)
+    ranks.all_gather(numpy.array([len(mine)], numpy.int64).view(numpy.uint8), sizes)
+    sizes = sizes.view(numpy.int64)
+    largest = int(sizes.max())
+    if largest == 0:
+        return [""] * ranks.count
+    padded = numpy.zeros(largest, numpy.uint8)
+    padded[: len(mine)] = mine
+    whole = numpy.empty(largest * ranks.count, numpy.uint8)
+    ranks.all_gather(padded, whole)
+    return [bytes(row[:size]).decode(errors="replace") for row, size in zip(whole.reshape(ranks.count, -1), sizes)]
+
+
+class Failure(Exception):
+    """What is told of the first rank that failed."""
+
+
+class Algorithm(VTKPythonAlgorithmBase):
+    """Has the properties of the XML in `values`, by their names."""
+
+    def __init__(self, inputs=0, outputs=1, **types):
+        self.values, self._commands = {}, {}
+        super().__init__(nInputPorts=inputs, nOutputPorts=outputs, **types)
+        for element in PROPERTIES[type(self).__name__]:
+            self._take_property(element)
+        self.ranks = find_ranks()
+        self.how = _library.How(self.ranks, self._advance, self._warn)
+
+    def _take_property(self, element):
+        name, command = element.get("name"), element.get("command")
+        if not command or element.get("information_only") == "1" or element.tag in ("InputProperty", "Property"):
+            return
+        self.values[name] = parse_default(element)
+        is_repeated = element.get("repeat_command") == "1"
+
+        def put(*given):
+            given = tuple("" if one is None else one for one in given)  # ParaView's "" of Python
+            value = self.values[name]
+            if is_repeated and len(given) == 2:  # at an index, or of a name
+                value[given[0]] = given[1]
+            elif is_repeated:
+                value.append(given[0])
+            else:
+                given = given[0] if len(given) == 1 else given
+                if given == value:
+                    return
+                self.values[name] = given
+            if name not in self.unseen:
+                self.Modified()
+
+        def resize(count):
+            self.values[name] = (self.values[name] + [0.0] * count)[:count]
+            self.Modified()
+
+        self._commands[command] = put
+        self._commands[element.get("clean_command", "")] = lambda: resize(0)
+        self._commands[element.get("set_number_command", "")] = resize
+
+    #: Whether a window has asked for news (GetNeedsUpdate).
+    polled = False
+
+    def GetRefinement(self):
+        """What the window of the plugin in C++ polls."""
+        return (0.0,) * 9 + (-1.0,)
+
+    #: Properties on which no output depends.
+    unseen = ("CacheSize", "RefinementMemory")
+
+    def __getattr__(self, name):
+        try:
+            return self.__dict__["_commands"][name]
+        except KeyError:
+            raise AttributeError(f"{type(self).__name__} has no {name}") from None
+
+    def _advance(self, done):
+        self.UpdateProgress(done)
+        return int(self.CheckAbort() if hasattr(self, "CheckAbort") else self.GetAbortExecute())
+
+    def _warn(self, text):
+        if self.ranks is None or self.ranks.rank == 0:
+            vtkOutputWindow.GetInstance().DisplayWarningText(f"Warning: {text}\n")
+
+    def agree(self, work):
+        """Runs work of this rank. Raises a Failure on all ranks if one has an error. To be called before calls of the
+        library that all ranks enter."""
+        made, error = None, ""
+        try:
+            made = work()
+        except Exception as raised:  # pylint: disable=broad-except
+            error = describe(raised)
+        errors = [text for text in gather_text(self.ranks, error) if text]
+        if errors:
+            own = [text for text in errors if "another rank" not in text]
+            raise Failure((own or errors)[0])
+        return made
+
+    def run(self, outputs, work):
+        """Runs work of all ranks. What RequestData returns."""
+        try:
+            self.agree(work)
+        except Failure as failure:
+            return self.fail(outputs, str(failure))
+        return 1
+
+    def fail(self, outputs, error):
+        """Tells an error, and nothing else; a stop is none."""
+        stopped = error.endswith("a callback has stopped it")
+        if not stopped and (self.ranks is None or self.ranks.rank == 0):
+            tell_error(error)
+        for port in range(outputs.GetNumberOfInformationObjects()):
+            info = outputs.GetInformationObject(port)
+            model.vtkDataObject.GetData(info).Initialize()
+            if not stopped:
+                info.Set(vtkDemandDrivenPipeline.DATA_NOT_GENERATED(), 1)
+        if not stopped and outputs.GetNumberOfInformationObjects():
+            silence(vtkExecutive.PRODUCER().GetExecutive(outputs.GetInformationObject(0)))
+        return int(stopped)
+
+
+def describe(error):
+    """An exception as a sentence."""
+    text = " ".join(str(error).split())
+    if isinstance(error, OSError) and error.strerror:
+        text = " ".join(error.strerror.split())
+    if isinstance(error, (Failure, OSError, ValueError, MemoryError, RuntimeError, IndexError)) and text:
+        return text
+    return f"{type(error).__name__}: {text}"
+
+
+def silence(executive):
+    """Takes the next error of an executive, which repeats that there is one."""
+
+    def take(_, __, text):
+        executive.RemoveObserver(tag)
+        if "returned failure for request" not in text:
+            vtkOutputWindow.GetInstance().DisplayErrorText(text)
+
+    take.CallDataType = "string0"
+    tag = executive.AddObserver("ErrorEvent", take)

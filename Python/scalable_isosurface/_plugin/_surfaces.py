@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Isosurface and Contour Spectrum."""
+
+import contextlib
+import math
+import os
+import threading
+
+import numpy
+from vtkmodules import vtkCommonDataModel as model
+from vtkmodules.util.vtkConstants import VTK_ID_TYPE
+from vtkmodules.vtkCommonCore import vtkDoubleArray
+
+from .. import _library
+from ._algorithm import Algorithm
+from ._arrays import store_units, to_vtk, VTK_VERSION
+from ._polygons import add_box, fill_surface, summarise
+from ._readers import readers, VOLUME, vtkInPlaceVolumeReader
+
+#: Hounsfield units.
+BONE = 300.0
+#: Triangles from which on the window shows a coarse surface first.
+LARGE = 500000
+
+
+class Consumer(Algorithm):
+    """Takes the volume of a reader of this file."""
+
+    def find_reader(self, port=0):
+        """The reader of an input; None if that has other data."""
+        algorithm = self
+        while algorithm.GetNumberOfInputConnections(port):
+            algorithm, port = algorithm.GetInputAlgorithm(port, 0), 0
+            info = algorithm.GetOutputInformation(0)
+            if info.Has(VOLUME):
+                return readers.get(info.Get(VOLUME))
+            if not (algorithm.IsA("vtkPVPostFilter") or algorithm.IsA("vtkPassThrough")):
+                break
+        return None
+
+    def take_volume(self, outputs):
+        """The reader, its file, which runs as this filter does, and the time step."""
+        reader = self.find_reader()
+        if not reader or not reader.file:
+            raise ValueError(
+                f"{type(self).__name__}: the input is no blocked volume or volume in place; the plugin in C++ takes "
+                "data in memory, too"
+            )
+        reader.file.how = self.how
+        return reader, reader.file, reader.find_step(outputs.GetInformationObject(0))
+
+    def FillInputPortInformation(self, port, info):
+        info.Set(self.INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject")
+        return 1
+
+    def find_scalar(self, file, step, level=0):
+        """The scalar that is contoured, as the library has it."""
+        name = self.GetInputArrayInformation(0).Get(model.vtkDataObject.FIELD_NAME()) or ""
+        array = find_array(file, name) if name else 0
+        components = file.arrays[array][2]
+        component = self.values["Component"] if components > 1 else 0
+        if component > components:
+            raise ValueError(f'array "{file.arrays[array][0]}" has {components} components, and no component {component}')
+        return array, _library.MAGNITUDE if component == components else component, step, level
+
+    def GetUnit(self):
+        reader = self.find_reader()
+        with contextlib.suppress(Exception):
+            return reader.file.arrays[self.find_scalar(reader.file, 0)[0]][3]
+        return ""
+
+    def GetProposal(self):
+        """An isovalue to begin with; NaN if there is none."""
+        reader = self.find_reader()
+        with contextlib.suppress(Exception):
+            if not isinstance(reader, vtkInPlaceVolumeReader) or reader.is_indexed():
+                scalar = self.find_scalar(reader.file, 0)
+                low, high = reader.file.range(scalar)
+                return BONE if self.GetUnit() == "HU" and low < BONE <= high else reader.file.propose(scalar)
+        return math.nan
+
+
+def find_array(file, name):
+    names = [array[0] for array in file.arrays]
+    if name not in names:
+        raise ValueError(f'{os.fsdecode(file.path)}: has no array "{name}"')
+    return names.index(name)
+
+
+class vtkStabbingContour(Consumer):
+    """Isosurfaces."""
+
+    def __init__(self):
+        super().__init__(inputs=1, outputType="vtkPolyData")
+        self._summary, self._final = "", 1
+        self._work, self._refines = None, False
+
+    def GetIslandSummary(self):
+        return self._summary
+
+    def GetFinal(self):
+        return self._final
+
+    def GetLevelRange(self):
+        reader = self.find_reader()
+        return 0, reader.file.levels - 1 if reader and reader.file else 0
+
+    def Refine(self):
+        if not self._final:
+            self._refines = True
+            self.Modified()
+
+    def make_request(self, file, step):
+        """The members of si_surface_request."""
+        values = self.values
+        scalar = self.find_scalar(file, step, min(values["Level"], file.levels - 1))
+        contoured = file.arrays[scalar[0]][0]
+        names = [name for name in values["InterpolatedArrays"] if not (name == contoured and values["ComputeScalars"])]
+        planes = values["FrustumPlanes"]
+        request = dict(
+            scalar=scalar,
+            isovalues=values["ContourValues"],
+            region=add_box(values["RegionPosition"], values["RegionLength"]) if values["UseRegion"] else None,
+            attributes=[find_array(file, name) for name in dict.fromkeys(names)],
+            normals=values["ComputeNormals"],
+            global_ids=1,
+            points={0: 8, 1: 9}.get(values["OutputPointsPrecision"], 0),
+            closed=(-1 if values["Inside"] else 1) if values["CloseBoundary"] else 0,
+            drop_degenerate_triangles=values["DropDegenerateTriangles"],
+            island_size=values["IslandSize"],
+            minimum_island=values["MinimumIslandSize"],
+            maximum_islands=values["MaximumIslands"],
+            maximum_triangles=values["MaximumTriangles"],
+            maximum_seconds=values["TimeBudget"],
+            vtk_version=VTK_VERSION,
+            polygons=int(not values["GenerateTriangles"]),
+            skip_not_a_number=values["SkipNotANumber"] or values["SkipNaN"],
+            island_ids=values["ComputeIslandIds"],
+            island_point=values["IslandPoint"] if values["UseIslandPoint"] else None,
+            half_spaces=[
+                sign * number for plane in zip(*[iter(planes)] * 4) for sign, number in zip((-1, -1, -1, 1), plane)
+            ]
+            if any(planes)
+            else [],
+        )
+        return request
+
+    def RequestData(self, request, inputs, outputs):
+        output = model.vtkPolyData.GetData(outputs, 0)
+        output.Initialize()
+        return self.run(outputs, lambda: self.fill(outputs, output))
+
+    def fill(self, outputs, output):
+        def prepare():
+            _, file, step = self.take_volume(outputs)
+            return file, self.make_request(file, step)
+
+        file, request = self.agree(prepare)
+        if not request["isovalues"]:
+            return
+        owner = self.extract(file, request)
+        contoured = file.arrays[request["scalar"][0]][0]
+        made = fill_surface(output, owner, request["normals"], contoured if self.values["ComputeScalars"] else "")
+        self._summary = summarise(made["islands"], request["isovalues"]) if made["islands"] is not None else ""
+        grid = file.describe(0)
+        store_units(output, file, grid)
+        for name, number in (
+            ("Rank", self.ranks.rank if self.ranks else 0),
+            ("Triangles", len(made["offsets"]) - 1),
+            ("Level", made["level"]),
+        ):
+            output.GetFieldData().AddArray(to_vtk(numpy.array([number], float), name))
+
+    def extract(self, file, request):
+        """The surface that is to be shown now: in the window of one rank, or if it is progressive, first a coarse one of
+        what is large."""
+        wanted = file, repr(request)
+        work, self._work = self._work, None
+        if work and work.wanted == wanted and not work.thread.is_alive():
+            self._final = 1
+            return work.take()
+        if work:
+            work.stop()
+        refines, self._refines = self._refines, False
+        self._final = 1
+        window = Algorithm.polled and self.ranks is None
+        if (window or self.values["Progressive"]) and not (refines and not window):
+            triangles = file.estimate(**request)
+            most = min(triangles / 20, request["maximum_triangles"] or triangles)
+            if triangles > (LARGE if window else 0) and file.levels > 1:
+                owner = file.extract(0, **dict(request, maximum_triangles=max(int(most), 1)))
+                self._final = int(owner.pointer.contents.level == request["scalar"][3])
+                if window and not self._final:
+                    self._work = Work(wanted, file, request)
+                return owner
+        return file.extract(0, **request)
+
+    def GetNeedsUpdate(self):
+        """ParaView's window asks every 100 ms, on the first rank."""
+        Algorithm.polled = True
+        if self._work and self._work.is_done():
+            self.Modified()
+            return True
+        return False
+
+
+class Work:
+    """A surface that is extracted beside the main thread."""
+
+    def __init__(self, wanted, file, request):
+        self.wanted = wanted
+        self._made = self._error = None
+        self._stops = False
+        how = _library.How(None, lambda _: int(self._stops))
+
+        def extract():
+            try:
+                self._made = file.extract(0, how=how, **request)
+            except Exception as error:  # pylint: disable=broad-except  # told by take
+                self._error = error
+
+        self.thread = threading.Thread(target=extract, daemon=True)
+        self.thread.start()
+
+    def is_done(self):
+        self.thread.join(0.005)  # ParaView's main thread may keep the GIL otherwise
+        return not self.thread.is_alive()
+
+    def stop(self):
+        self._stops = True
+
+    def take(self):
+        if self._error:
+            raise self._error
+        return self._made
+
+
+class vtkContourSpectrum(Consumer):
+    """What the isosurface of each isovalue is."""
+
+    def __init__(self):
+        super().__init__(inputs=1, outputType="vtkTable")
+        self._rows = vtkDoubleArray()
+
+    def GetSpectrum(self):
+        return self._rows
+
+    def RequestData(self, request, inputs, outputs):
+        return self.run(outputs, lambda: self.fill(outputs, model.vtkTable.GetData(outputs, 0)))
+
+    def fill(self, outputs, table):
+        table.Initialize()
+        _, file, step = self.take_volume(outputs)
+        if self.values["ColumnsPerStore"] >= 0:
+            raise ValueError("ColumnsPerStore is in the plugin in C++ alone")
+        if self.ranks and self.ranks.rank > 0:
+            return
+        spectrum = file.spectrum(self.find_scalar(file, step))
+        names = dict(zip(spectrum, ("Isovalue", "Triangles", "ActiveCells", "ActiveBlocks", "Bytes", "Area", "Volume")))
+        for name, values in spectrum.items():
+            if values is not None:
+                isInteger = values.dtype.kind == "u"
+                table.AddColumn(
+                    to_vtk(values.astype(numpy.int64) if isInteger else values, names[name], VTK_ID_TYPE if isInteger else None)
+                )
+        count = len(spectrum["isovalues"])
+        rows = [numpy.full(count, numpy.nan) if values is None else values for values in spectrum.values()]
+        self._rows = to_vtk(numpy.ascontiguousarray(numpy.transpose(rows), float))

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The plugin in one file of Python makes what the plugin in C++ makes, bit for bit: one_file_job.py is run with each.
+
+    one_file.py PVBATCH... --plugins CXX PYTHON --volumes FOLDER --output FOLDER
+"""
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from time_limits import WAIT_SECONDS  # noqa: E402  (found in the folder above)
+
+
+def run(program, plugin, volumes, output):
+    """The lines of the jobs, by their names."""
+    shutil.rmtree(output, ignore_errors=True)
+    os.makedirs(output)
+    script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "one_file_job.py")
+    done = subprocess.run([*program, script, plugin, volumes, output], capture_output=True, text=True,
+                          timeout=10 * WAIT_SECONDS)
+    lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
+    if done.returncode or "ERR" in done.stderr or "Traceback" in done.stderr:
+        sys.exit(f"{plugin}: {len(lines)} jobs, exit code {done.returncode}\n{done.stderr[-5000:]}")
+    return {line.pop("job"): line for line in lines}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program", nargs="+")
+    parser.add_argument("--plugins", nargs=2, required=True)
+    parser.add_argument("--volumes", required=True)
+    parser.add_argument("--output", required=True)
+    arguments = parser.parse_args()
+    expected, found = (
+        run(arguments.program, plugin, arguments.volumes, os.path.join(arguments.output, name))
+        for plugin, name in zip(arguments.plugins, ("cxx", "python"))
+    )
+    different = [job for job in expected if found.get(job) != expected[job]]
+    for job in different:
+        print(f"{job}:\n    {json.dumps(expected[job])}\n    {json.dumps(found.get(job))}")
+    assert len(expected) > 30 and sorted(expected) == sorted(found)
+    sys.exit(len(different))
+
+
+main()

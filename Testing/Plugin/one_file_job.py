@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a plugin makes of volumes, in pvbatch on any number of ranks: one line of JSON for each job, with the digests of the
+arrays of each rank.
+
+    one_file_job.py PLUGIN VOLUMES OUTPUT
+
+one_file.py compares the lines of the plugin in C++ with those of the one in a file of Python.
+"""
+import glob
+import inspect
+import json
+import os
+import shutil
+import sys
+
+if not hasattr(inspect, "getargspec"):  # ParaView 5.11 in Python 3.11
+    inspect.getargspec = inspect.getfullargspec
+
+from paraview import simple
+
+PLUGIN, VOLUMES, OUTPUT = sys.argv[1:4]
+HERE = os.path.dirname(os.path.abspath(__file__))
+#: Run on each rank.
+DIGEST = """
+import sys
+sys.path.append({here!r})
+import digests
+digests.write(inputs[0].VTKObject, {stem!r}, self)
+"""
+
+
+def find_volume(name):
+    return os.path.join(VOLUMES, name)
+
+
+def digest(source, port=0, time=None):
+    """The digests of an output of a source, a dictionary for each rank."""
+    stem = os.path.join(OUTPUT, "digest")
+    for old in glob.glob(stem + "*"):
+        os.remove(old)
+    passed = simple.ProgrammableFilter(Input=simple.OutputPort(source, port), OutputDataSetType="vtkTable")
+    passed.Script = DIGEST.format(here=HERE, stem=stem)
+    passed.UpdatePipeline(*([] if time is None else [time]))
+    simple.Delete(passed)
+    made = []
+    for path in sorted(glob.glob(stem + "*")):
+        with open(path) as file:
+            made.append(json.load(file))
+    return made
+
+
+def report(job, **found):
+    print(json.dumps({"job": job, **found}, sort_keys=True), flush=True)
+
+
+def make_surfaces(wave, series, vectors):
+    """Isosurface with each of its properties."""
+    surface = simple.Isosurface(Input=wave)
+    report("the isovalue that is proposed", isovalues=list(surface.Isosurfaces), unit=str(surface.Unit))
+    report("default", ranks=digest(surface))
+    options = {
+        "several isovalues": {"Isosurfaces": [150.0, 100.0, 180.5]},
+        "double points": {"OutputPointsPrecision": "Double"},
+        "no normals, no scalars": {"ComputeNormals": 0, "ComputeScalars": 0, "InterpolatedArrays": ["RTData"]},
+        "polygons": {"GenerateTriangles": 0},
+        "without degenerate triangles": {"DropDegenerateTriangles": 1, "Isosurfaces": [150.0]},
+        "closed": {"CloseBoundary": 1},
+        "closed, below": {"CloseBoundary": 1, "Inside": "Below"},
+        "region": {"UseRegion": 1, "RegionPosition": [-25, -20, -20], "RegionLength": [20, 29, 30]},
+        "islands": {"MinimumIslandSize": 50, "MaximumIslands": 3, "ComputeIslandIds": 1},
+        "island at a point": {"UseIslandPoint": 1, "IslandPoint": [9, 9, 9], "IslandSize": "Area"},
+        "frustum": {"FrustumPlanes": [1, 0, 0, 0, -1, 0, 0, 30, 0, 1, 0, 20, 0, -1, 0, 20, 0, 0, 1, 20, 0, 0, -1, 20]},
+        "coarser": {"Level": 1},
+        "few triangles": {"MaximumTriangles": 1000},
+        "holes": {"SkipNotANumber": 1},
+        "nothing there": {"Isosurfaces": [1e6]},
+    }
+    for name, given in options.items():
+        surface = simple.Isosurface(Input=wave, Isosurfaces=[157.25])
+        surface.Set(**given) if hasattr(surface, "Set") else [setattr(surface, *one) for one in given.items()]
+        found = digest(surface)
+        surface.UpdatePropertyInformation()
+        report(name, ranks=found, islands=str(surface.IslandSummary), levels=list(surface.LevelRange))
+    surface = simple.Isosurface(Input=series, Isosurfaces=[170.0])
+    report("second step", ranks=digest(surface, time=1.0))
+    report("times", times=list(series.TimestepValues))
+    surface = simple.Isosurface(Input=vectors, ContourBy=["POINTS", "Gradient"], Component=3, Isosurfaces=[1.5])
+    surface.InterpolatedArrays = ["RTData"]
+    report("magnitude", ranks=digest(surface))
+
+
+def make_samples(wave):
+    """Volume Slice, Region, Probe, Contour Spectrum."""
+    for name, given in {
+        "slice along axes": {"Origin": [0, 0, 1.4], "Normal": [0, 0, 1]},
+        "oblique slice": {"Origin": [0, 0, 0], "Normal": [1, 2, 3]},
+        "nearest samples": {"Origin": [0, 0, 0], "Normal": [1, 2, 3], "Interpolation": "Nearest"},
+        "small slice": {"Origin": [0, 0, 0], "Normal": [0, 1, 0], "MaximumPoints": 0.01},
+    }.items():
+        cut = simple.VolumeSlice(Input=wave)
+        cut.Isolines = [150.0]
+        for one in given.items():
+            setattr(cut, *one)
+        report(name, ranks=digest(cut), isolines=digest(cut, 1))
+    region = simple.VolumeRegion(Input=wave, Position=[-3.5, -4, 0], Length=[6, 7, 5.5])
+    report("region of samples", ranks=digest(region))
+    for name, points in {"sphere": simple.Sphere(Radius=14, PhiResolution=30), "image": simple.Wavelet()}.items():
+        report(f"values at the points of a {name}", ranks=digest(simple.VolumeProbe(Input=wave, Source=points)))
+    spectrum = simple.ContourSpectrum(Input=wave)
+    report("spectrum", ranks=digest(spectrum))
+
+
+def write_files(wave):
+    """Both writers, and what comes back."""
+    surface = simple.Isosurface(Input=wave, Isosurfaces=[150.0, 157.0])
+    surface.UpdatePipeline()
+    path = os.path.join(OUTPUT, "surface.eix")
+    for name, given in {"eix": {}, "eix, bounded": {"Mode": "Bounded", "Profile": "Working", "WriteNormals": 1}}.items():
+        simple.SaveData(path, proxy=surface, **given)
+        reader = simple.OpenDataFile(path)
+        reader.UpdatePipeline()
+        report(name, ranks=digest(reader), size=os.path.getsize(path))
+        reader.UseRegion, reader.RegionPosition, reader.RegionLength = 1, [0, 0, 0], [4, 4, 4]
+        report(name + ", a region", ranks=digest(reader))
+        reader.UseRegion, reader.Preview = 0, 1
+        report(name + ", preview", ranks=digest(reader))
+    wavelet = simple.Wavelet(WholeExtent=[-12, 12, -9, 9, -7, 7])
+    for name, source in {"an image": wavelet, "a volume": wave}.items():
+        path = os.path.join(OUTPUT, "written.bvol")
+        simple.SaveData(path, proxy=source, BlockSize="16", NumberOfStores=2)
+        written = simple.OpenDataFile(path)
+        report(f"{name} written", ranks=digest(simple.Isosurface(Input=written, Isosurfaces=[150.0])))
+
+
+def index_files():
+    """A file of another format, which is indexed first."""
+    folder = os.path.join(OUTPUT, "foreign")
+    shutil.rmtree(folder, ignore_errors=True)
+    os.makedirs(folder)
+    for name in ("wave.mhd", "wave.raw"):
+        shutil.copy(find_volume(name), folder)
+    reader = simple.OpenDataFile(os.path.join(folder, "wave.mhd"))
+    report("reader", name=reader.GetXMLName())
+    report("in place", ranks=digest(simple.Isosurface(Input=reader, Isosurfaces=[150.0])))
+    report("index", files=sorted(os.listdir(folder)))
+    reader = simple.OpenDataFile(os.path.join(folder, "wave.mhd"))
+    reader.Spacing, reader.Origin, reader.LengthUnit = [0.5, 0.5, 2.0], [1.0, 2.0, 3.0], "um"
+    report("placed", ranks=digest(simple.Isosurface(Input=reader, Isosurfaces=[150.0])))
+
+
+def main():
+    simple.LoadPlugin(PLUGIN, remote=True, ns=vars(simple))
+    wave = simple.OpenDataFile(find_volume("wave.bvol"))
+    report("arrays", arrays=list(wave.PointArrayStatus))
+    path = os.path.join(OUTPUT, "vectors.bvol")
+    simple.SaveData(path, proxy=simple.XMLImageDataReader(FileName=[find_volume("vectors.vti")]))
+    vectors = simple.OpenDataFile(path)
+    make_surfaces(wave, simple.OpenDataFile(find_volume("series.bvol")), vectors)
+    make_samples(wave)
+    write_files(wave)
+    index_files()
+
+
+main()
