@@ -88,7 +88,8 @@ Result<std::shared_ptr<VolumeFile>> OpenGrown(Communicator& ranks, si_growing& g
     }
     volume = growing.Growing->GetSample().Volume;
   }
-  return std::shared_ptr<VolumeFile>(std::make_shared<StoredVolume>(std::move(volume)));
+  return std::shared_ptr<VolumeFile>(
+    std::make_shared<StoredVolume>(std::move(volume), growing.Choice.HasLocalStores));
 }
 
 } // namespace

@@ -144,6 +144,7 @@ Result<OpeningChoice> TakeOpening(const si_opening* given)
   OpeningChoice choice;
   choice.Axes = ToText(taken.axes);
   choice.IndexFolder = ToText(taken.index_folder);
+  choice.HasLocalStores = taken.local_stores != 0;
   const auto three = [](const double* numbers)
   {
     return numbers ? std::optional<std::array<double, 3>>({ numbers[0], numbers[1], numbers[2] })

@@ -186,6 +186,7 @@ extern "C"
     const double* spacing;    /* three, in place of the file's */
     const double* origin;     /* three, of the first vertex */
     const char* length_unit;  /* "mm", "um", ... */
+    int32_t local_stores; /* not 0: stores may be on disks that one rank reaches, and ranks share whole stores */
   } si_opening;
 
   typedef struct si_volume si_volume;

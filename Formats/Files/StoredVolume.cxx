@@ -38,21 +38,22 @@ SampleRequest Coarsen(SampleRequest request, int levels)
 } // namespace
 
 Result<std::shared_ptr<StoredVolume>> StoredVolume::Open(
-  const std::string& path, const GridPlace& place)
+  const std::string& path, const OpeningChoice& choice)
 {
   ISOSURFACE_ASSIGN_OR_RETURN(auto volume,
     BlockedVolume::Open(
-      path, GetLocalFileSystem(), BlockCache::GetProcessCache(), OpenForeignVolume, place));
+      path, GetLocalFileSystem(), BlockCache::GetProcessCache(), OpenForeignVolume, choice.Place));
   if (volume->GetHeader().TimeSteps.empty())
   {
     return Status(StatusCode::Corrupt, path + ": the volume has no time step");
   }
-  return std::make_shared<StoredVolume>(std::move(volume));
+  return std::make_shared<StoredVolume>(std::move(volume), choice.HasLocalStores);
 }
 
-StoredVolume::StoredVolume(std::shared_ptr<BlockedVolume> volume)
+StoredVolume::StoredVolume(std::shared_ptr<BlockedVolume> volume, bool hasLocalStores)
   : Volume(std::move(volume))
 {
+  this->Volume->SetLocalStores(hasLocalStores);
   for (const TimeStepDescription& step : this->Volume->GetHeader().TimeSteps)
   {
     this->Times.push_back(step.Time);

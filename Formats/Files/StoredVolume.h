@@ -20,9 +20,9 @@ class StoredVolume : public VolumeFile
 public:
   /// Errors and cost: BlockedVolume::Open.
   static Result<std::shared_ptr<StoredVolume>> Open(
-    const std::string& path, const GridPlace& place = {});
+    const std::string& path, const OpeningChoice& choice = {});
   /// Of one that is open, with a time step.
-  explicit StoredVolume(std::shared_ptr<BlockedVolume> volume);
+  explicit StoredVolume(std::shared_ptr<BlockedVolume> volume, bool hasLocalStores = false);
 
   const std::string& GetPath() const override { return this->Volume->GetPath(); }
   const std::vector<ArrayDescription>& GetArrays() const override

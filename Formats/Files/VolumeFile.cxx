@@ -53,13 +53,13 @@ Result<std::shared_ptr<VolumeFile>> VolumeFile::Open(
   }
   if (kind == FileKind::BlockedVolume)
   {
-    return AsFile(StoredVolume::Open(name, choice.Place));
+    return AsFile(StoredVolume::Open(name, choice));
   }
   FileSystem& files = GetLocalFileSystem();
   const SourceIndex index = SourceIndex::Find(files, name, "", choice.Axes, choice.IndexFolder);
   const auto state = FindIndexState(files, index);
   return state.IsOk() && *state == IndexState::Current
-    ? AsFile(StoredVolume::Open(index.Path, choice.Place))
+    ? AsFile(StoredVolume::Open(index.Path, choice))
     : AsFile(SourceVolume::Open(name, choice));
 }
 

@@ -38,10 +38,11 @@ Result<FileKind> FindFileKind(const std::string& name);
 /// How a volume of another format is opened.
 struct OpeningChoice
 {
-  std::string Axes;        ///< VolumeChoice::Axes
-  std::string IndexFolder; ///< where its index may be; empty: beside it
-  int Threads = 0;         ///< of GetBlocks, as BlockedVolumeSettings::Threads
-  GridPlace Place = {};    ///< also of a blocked volume
+  std::string Axes;            ///< VolumeChoice::Axes
+  std::string IndexFolder;     ///< where its index may be; empty: beside it
+  int Threads = 0;             ///< of GetBlocks, as BlockedVolumeSettings::Threads
+  GridPlace Place = {};        ///< also of a blocked volume
+  bool HasLocalStores = false; ///< BlockedVolume::SetLocalStores
 };
 
 /// One level of a volume.

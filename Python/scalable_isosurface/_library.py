@@ -58,7 +58,7 @@ _, _Texts = _sized("si_texts", ("count", c_size_t), ("texts", POINTER(c_char_p))
 _make_opening, _ = _sized(
     "si_opening",
     ("axes", c_char_p), ("index_folder", c_char_p), ("spacing", POINTER(c_double)), ("origin", POINTER(c_double)),
-    ("length_unit", c_char_p),
+    ("length_unit", c_char_p), ("local_stores", c_int32),
 )  # fmt: skip
 _, _VolumeInfo = _sized(
     "si_volume_info",
@@ -483,7 +483,12 @@ def read_attributes(path: bytes, axes: str) -> str:
 
 
 def _opening(
-    axes: str, folder: bytes, spacing: Sequence[float] = (), origin: Sequence[float] = (), unit: Optional[str] = None
+    axes: str,
+    folder: bytes,
+    spacing: Sequence[float] = (),
+    origin: Sequence[float] = (),
+    unit: Optional[str] = None,
+    local_stores: int = 0,
 ) -> Any:
     """A reference to a si_opening."""
     return byref(
@@ -493,12 +498,13 @@ def _opening(
             spacing=_three_numbers(*spacing) if spacing else None,
             origin=_three_numbers(*origin) if origin else None,
             length_unit=None if unit is None else encode(unit),
+            local_stores=local_stores,
         )
     )
 
 
 def open_volume(path: bytes, axes: str, folder: bytes, threads: int, how: How = _ALONE, **place: Any) -> VolumeFile:
-    """`place`: spacing, origin and unit in place of the file's."""
+    """`place`: spacing, origin and unit in place of the file's; local_stores."""
     owned = _Owned(None, _si.volume_close)
     with _Call.begin(threads, how=how.alone) as call:
         _si.volume_open(path, _opening(axes, folder, **place), call.run, owned.place)

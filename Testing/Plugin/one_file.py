@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The plugin in one file of Python makes what the plugin in C++ makes, bit for bit: one_file_job.py is run with each.
 
-    one_file.py PVBATCH... --plugins CXX PYTHON --volumes FOLDER --output FOLDER
+    one_file.py --plugins CXX PYTHON --volumes FOLDER --output FOLDER -- PVBATCH...
 """
 import argparse
 import json
@@ -14,13 +14,22 @@ sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from time_limits import WAIT_SECONDS  # noqa: E402  (found in the folder above)
 
 
+#: On each rank: ParaView 5.11 in Python 3.11 cannot load plugins of Python without it.
+SITE = """import inspect
+inspect.getargspec = inspect.getfullargspec
+"""
+
+
 def run(program, plugin, volumes, output):
     """The lines of the jobs, by their names."""
     shutil.rmtree(output, ignore_errors=True)
     os.makedirs(output)
+    with open(os.path.join(output, "sitecustomize.py"), "w") as file:
+        file.write(SITE)
+    environment = {**os.environ, "PYTHONPATH": output}
     script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "one_file_job.py")
     done = subprocess.run([*program, script, plugin, volumes, output], capture_output=True, text=True,
-                          timeout=10 * WAIT_SECONDS)
+                          timeout=10 * WAIT_SECONDS, env=environment)
     lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
     if done.returncode or "ERR" in done.stderr or "Traceback" in done.stderr:
         sys.exit(f"{plugin}: {len(lines)} jobs, exit code {done.returncode}\n{done.stderr[-5000:]}")

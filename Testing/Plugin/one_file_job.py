@@ -7,14 +7,10 @@ arrays of each rank.
 one_file.py compares the lines of the plugin in C++ with those of the one in a file of Python.
 """
 import glob
-import inspect
 import json
 import os
 import shutil
 import sys
-
-if not hasattr(inspect, "getargspec"):  # ParaView 5.11 in Python 3.11
-    inspect.getargspec = inspect.getfullargspec
 
 from paraview import simple
 

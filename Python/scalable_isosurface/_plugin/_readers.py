@@ -99,7 +99,7 @@ class vtkBlockedVolumeReader(Reader):
 
     def place(self):
         unit = self.values["LengthUnit"]
-        place = {"unit": {"": None, "unknown": ""}.get(unit, unit)}
+        place = {"unit": {"": None, "unknown": ""}.get(unit, unit), "local_stores": self.values.get("LocalStores", 0)}
         for name in ("Spacing", "Origin"):
             numbers = self.values[name]
             if len(numbers) not in (0, 3):
