@@ -48,7 +48,7 @@ def parse_key(key: Any, shape: Tuple[int, ...], dtype: numpy.dtype) -> Selection
     if sum(isinstance(item, numpy.ndarray) for item in items) > 1:
         raise _make_error()
     # An array without memory of its own knows all of NumPy's rules, and its words.
-    model = numpy.broadcast_to(numpy.zeros((), dtype), shape)[items]
+    model: Any = numpy.ndarray(shape, dtype, bytes(dtype.itemsize), 0, (0,) * len(shape))[items]
     axes: List[AxisRange] = []
     rest: List[Any] = []
     runs = None
@@ -84,6 +84,8 @@ def _make_error() -> TypeError:
 def _simplify(item: Any) -> Any:
     """An integer for what NumPy takes for one, an array for what chooses along an axis; a TypeError for what
     chooses elements one by one."""
+    if type(item) in (int, slice):  # most of them
+        return item
     is_flag = isinstance(item, (bool, numpy.bool_))
     if not is_flag and (item is None or item is Ellipsis or isinstance(item, (slice, str))):
         return item

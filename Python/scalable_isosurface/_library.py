@@ -414,15 +414,21 @@ class _Owned:
 class _Memory:
     """An array of an owner, which NumPy keeps."""
 
-    def __init__(self, owner: _Owned, address: int, dtype: numpy.dtype, shape: Sequence[int]) -> None:
-        self.owner = owner
-        self.__array_interface__ = {"version": 3, "data": (address, False), "typestr": dtype.str, "shape": tuple(shape)}
+    __slots__ = ("owner", "__array_interface__")
+    owner: _Owned
+    __array_interface__: Dict[str, Any]
 
 
-def _view(owner: _Owned, address: Optional[int], dtype: Any, *shape: int) -> numpy.ndarray:
+_CODES = {name: numpy.dtype(name).str for name in VALUE_TYPES}
+
+
+def _view(owner: _Owned, address: Optional[int], dtype: str, *shape: int) -> numpy.ndarray:
     if address is None or 0 in shape:
         return numpy.empty(shape, dtype)
-    return numpy.asarray(_Memory(owner, address, numpy.dtype(dtype), shape))
+    memory = _Memory()
+    memory.owner = owner
+    memory.__array_interface__ = {"version": 3, "data": (address, False), "typestr": _CODES[dtype], "shape": shape}
+    return numpy.asarray(memory)
 
 
 def view_cells(owner: _Owned) -> Dict[str, Any]:

@@ -4,6 +4,7 @@
 
 #include "Ground/Base/Progress.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 
@@ -12,6 +13,14 @@ namespace isosurface
 
 /// The number of threads that each of `processesOnNode` processes on a node should use, at least 1.
 int ChooseThreadCount(int processesOnNode);
+
+/// Those of `threads` that `work` keeps busy, at least 1. A thread takes some 50 microseconds to
+/// start, so each should have `least` of the work to do.
+inline int LimitThreads(int threads, std::size_t work, std::size_t least)
+{
+  return static_cast<int>(
+    std::min<std::size_t>(static_cast<std::size_t>(std::max(1, threads)), 1 + work / least));
+}
 
 /**
  * Calls body(index, thread) once for every index in [0, count), on `threads` threads, the calling

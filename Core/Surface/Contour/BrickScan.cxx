@@ -163,9 +163,16 @@ void BrickScan::Allocate(const BrickLattice& lattice, Surfaces& parts) const
 Status BrickScan::Run(const BrickLattice& lattice, const Progress& progress)
 {
   this->Allocate(lattice, this->AllSurfaces);
+  std::size_t samples = 0;
+  for (const Brick& brick : lattice.GetBricks())
+  {
+    samples += static_cast<std::size_t>(brick.Vertices.GetNumberOfVertices());
+  }
+  constexpr std::size_t samplesOfThread = 65536;
   FirstFailure failure;
   const bool finished = ParallelFor(
-    this->Source.GetNumberOfBlocks(), static_cast<int>(this->Workers.size()),
+    this->Source.GetNumberOfBlocks(),
+    LimitThreads(static_cast<int>(this->Workers.size()), samples, samplesOfThread),
     [&](std::size_t block, int thread) {
       failure.Run(
         [&] { return this->ScanBlock(lattice, block, block, this->AllSurfaces, thread); });

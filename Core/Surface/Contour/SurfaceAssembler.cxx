@@ -92,17 +92,21 @@ bool SurfaceAssembler::Run(int threads, const Progress& progress, Surface& surfa
   this->Allocate(surface);
 
   std::vector<std::size_t> active;
+  std::size_t triangles = 0;
   const std::vector<BrickSurface>& parts = this->Scan.GetSurfaces();
   for (std::size_t part = 0; part < parts.size(); ++part)
   {
     if (parts[part].Inside)
     {
       active.push_back(part);
+      triangles += parts[part].Counts.Triangles;
     }
   }
-  std::vector<Corners> corners(static_cast<std::size_t>(std::max(1, threads)));
+  constexpr std::size_t trianglesOfThread = 8192;
+  const int writers = LimitThreads(threads, triangles, trianglesOfThread);
+  std::vector<Corners> corners(static_cast<std::size_t>(writers));
   return ParallelFor(
-    active.size(), threads,
+    active.size(), writers,
     [&](std::size_t n, int thread)
     { this->WriteBrick(active[n], surface, corners[static_cast<std::size_t>(thread)]); },
     MakePartOfProgress(progress, done, 1.0));
