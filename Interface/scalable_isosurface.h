@@ -224,7 +224,7 @@ extern "C"
   SI_API const si_volume_info* si_volume_describe(const si_volume* volume);
 
   /* Where samples lie: vertex (i, j, k) at origin + direction * (spacing * (i, j, k)), or on lines. A volume that
-   * is written needs all but lines, unit and chunk. */
+   * is written needs size to direction. */
   typedef struct si_grid
   {
     size_t size;

@@ -79,7 +79,7 @@ static void write_and_describe(void)
   const double times[] = { 0.5, 2 };
   int context = 4711;
   si_grid grid = { sizeof(grid), { NX, NY, NZ }, { 0.5, 1, 2 }, { 10, 20, 30 },
-    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, "mm", { 0 } };
+    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, "mm", { 0 }, { 0 }, { 0 } };
   si_settings settings = { .size = sizeof(settings) };
   settings.block_size = 16;
   OK(si_write_volume(path, &grid, 2, arrays, 2, times, read_box, &context, &settings, NULL));
@@ -289,7 +289,7 @@ static void stops_and_refuses(void)
   int calls = 0;
   const si_array array = { "a", SI_UINT8, 1, NULL };
   const si_grid grid = { sizeof(grid), { 600, 600, 600 }, { 1, 1, 1 }, { 0 },
-    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, NULL, { 0 } };
+    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, NULL, { 0 }, { 0 }, { 0 } };
   si_run run = { .size = sizeof(run) };
   run.progress = stop;
   run.context = &calls;
@@ -489,7 +489,7 @@ static void* write_when_told(void* context)
 {
   const si_array array = { "a", SI_UINT8, 1, NULL };
   const si_grid grid = { sizeof(grid), { 64, 64, 64 }, { 1, 1, 1 }, { 0 },
-    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, NULL, { 0 } };
+    { 1, 0, 0, 0, 1, 0, 0, 0, 1 }, { NULL }, NULL, { 0 }, { 0 }, { 0 } };
   OK(si_write_volume(other, &grid, 1, &array, 1, NULL, read_when_told, context, NULL, NULL));
   return NULL;
 }
