@@ -28,6 +28,7 @@ if(ISOSURFACE_HDF5_LIBRARY_FOUND)
   endif()
 endif()
 isosurface_set_format(HDF5 ${targets})
+option(ISOSURFACE_HDF5_IS_AN_ARCHIVE "Each module that uses HDF5 has a copy of it, and a lock of its own" OFF)
 
 pkg_check_modules(ISOSURFACE_NETCDF_LIBRARY IMPORTED_TARGET GLOBAL netcdf)
 set(targets)
