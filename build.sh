@@ -4,6 +4,7 @@
 #   ./build.sh test      build everything and pass all tests (Core with sanitizers, too)
 #   ./build.sh package   make Debian packages in build/release: the plugin, the commands, Python, C++
 #   ./build.sh vtk       build and test the VTK classes beside VTK alone, on a system without ParaView
+#   ./build.sh wheel     make a Python wheel for Linux in build/wheel, in a root folder of Debian 11 (3 GB, needs root)
 #   ./build.sh packages  only install what is needed, for development too
 # The others install what is missing of CMake/debian-packages.txt.
 set -eu
@@ -77,6 +78,12 @@ case "${1:-}" in
     debian/rules clean ISOSURFACE_BUILD=build/release
     echo "Install them: sudo apt install $PWD/build/release/*.deb"
     ;;
+  wheel)
+    Testing/Systems/on_debian.sh bullseye "${ISOSURFACE_SYSTEMS:-build/systems}" run Packaging/wheel/build.sh
+    mkdir -p build/wheel
+    cp "${ISOSURFACE_SYSTEMS:-build/systems}"/bullseye/project/build/wheel/*.whl build/wheel
+    echo "Install it: pip install $(echo "$PWD"/build/wheel/*.whl)"
+    ;;
   vtk)
     if dpkg-query -W -f '${Status}' python3-paraview 2>/dev/null | grep -q 'ok installed'; then
       echo "build.sh: libvtk9-dev would remove ParaView from this system; Testing/Systems/on_debian.sh builds in a folder" >&2
@@ -99,7 +106,7 @@ case "${1:-}" in
     say "All tests passed"
     ;;
   *)
-    sed -n '2,8s/^# \{0,1\}//p' "$0"
+    sed -n '2,9s/^# \{0,1\}//p' "$0"
     exit 2
     ;;
 esac

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Packs the Python package, the library of C and the modules of formats of a build folder as a wheel.
+"""Packs what CMake has written to BUILD/wheel, the library of C and the modules of formats as a wheel.
 
     make_wheel.py BUILD PLATFORM FOLDER [LICENCES]
 
-PLATFORM is the last part of the wheel's name, as manylinux_2_31_x86_64. FOLDER gets the wheel. LICENCES is a folder with
-those of all libraries that are linked in, one a file. The same files make the same wheel, byte for byte."""
+PLATFORM is the last part of the wheel's name, as manylinux_2_31_x86_64. FOLDER gets the wheel, and, where BUILD/wheel has
+the plugin for ParaView in Python, a .zip with that plugin and the same package. LICENCES is a folder with those of all
+libraries that are linked in, one a file. The same files make the same archives, byte for byte."""
 
 import base64
 import hashlib
+import os
 import pathlib
 import re
 import sys
@@ -30,12 +32,13 @@ DESCRIPTION = """\
 
 def list_package(build):
     """Name in the wheel and content of each file of the package."""
-    for path in sorted((build / "wheel" / PACKAGE).iterdir()):
-        if path.is_file():
+    tree = build / "wheel"
+    for path in sorted(tree.rglob("*")):
+        if path.is_file() and path.parent.name != "__pycache__":
+            yield str(path.relative_to(tree)), path.read_bytes()
+    for pattern in (f"lib{PACKAGE}.so.[0-9]", "libIsosurface*Format.so", "libIsosurface*Codec.so"):
+        for path in sorted(build.glob(f"lib/**/{pattern}")):
             yield f"{PACKAGE}/{path.name}", path.read_bytes()
-    found = [*build.glob("lib/**/lib" + PACKAGE + ".so.[0-9]"), *sorted(build.glob("lib/**/libIsosurface*Format.so"))]
-    for path in (*found, *build.glob("lib/**/libIsosurface*Codec.so")):
-        yield f"{PACKAGE}/{path.name}", path.read_bytes()
 
 
 def write_metadata(version, platform, licences):
@@ -55,28 +58,32 @@ def write_metadata(version, platform, licences):
 
 
 def main(build, platform, folder, licences=None):
-    build = pathlib.Path(build)
-    files = dict(list_package(build))
-    version = re.search(r'__version__ = "(.*)"', files[f"{PACKAGE}/__init__.py"].decode()).group(1)
-    texts = {"LICENSE": PROJECT / "LICENSE"}
-    texts.update({path.name: path for path in sorted(pathlib.Path(licences).iterdir())} if licences else {})
+    package = dict(list_package(pathlib.Path(build)))
+    version = re.search(r'__version__ = "(.*)"', package[f"{PACKAGE}/__init__.py"].decode()).group(1)
+    paths = [PROJECT / "LICENSE", *(sorted(pathlib.Path(licences).iterdir()) if licences else ())]
+    texts = {f"licenses/{path.name}": path.read_bytes() for path in paths}
+    metadata = {name: text.encode() for name, text in write_metadata(version, platform, [path.name for path in paths])}
     info = f"{PACKAGE}-{version}.dist-info"
-    files.update({f"{info}/{name}": text.encode() for name, text in write_metadata(version, platform, texts)})
-    files.update({f"{info}/licenses/{name}": path.read_bytes() for name, path in texts.items()})
+    files = {**package, **{f"{info}/{name}": content for name, content in {**metadata, **texts}.items()}}
     record = ""
     for name, content in files.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
         record += f"{name},sha256={digest},{len(content)}\n"
     files[f"{info}/RECORD"] = (record + f"{info}/RECORD,,\n").encode()
+    write_archive(f"{folder}/{PACKAGE}-{version}-py3-none-{platform}.whl", files)
+    if "ScalableIsosurface.py" in package:
+        unpacked = {f"ScalableIsosurface/{name}": content for name, content in {**package, **texts}.items()}
+        write_archive(f"{folder}/ScalableIsosurface-{version}-paraview-linux-{os.uname().machine}.zip", unpacked)
 
-    wheel = pathlib.Path(folder) / f"{PACKAGE}-{version}-py3-none-{platform}.whl"
-    with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+
+def write_archive(path, files):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
             entry.external_attr = (0o755 if ".so" in name else 0o644) << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, content)
-    print(f"{wheel}: {wheel.stat().st_size:,} bytes")
+    print(f"{path}: {os.path.getsize(path):,} bytes")
 
 
 if __name__ == "__main__":
