@@ -40,6 +40,7 @@ function(isosurface_write_server_manager_xml output)
     string(CONFIGURE "${definition}" definition @ONLY)
     string(APPEND definitions "${definition}")
   endforeach()
-  file(CONFIGURE OUTPUT "${output}" @ONLY
-    CONTENT "<ServerManagerConfiguration>@definitions@</ServerManagerConfiguration>\n")
+  # CMake 3.18 refuses < in a content, and @ONLY before it.
+  set(document "<ServerManagerConfiguration>${definitions}</ServerManagerConfiguration>\n")
+  file(CONFIGURE OUTPUT "${output}" CONTENT "@document@" @ONLY)
 endfunction()
