@@ -155,8 +155,7 @@ TEST_P(QueryCostOfAClick, OnAVolumeIsFourReductions)
 TEST_P(QueryCostOfAClick, OnImagesIsFourReductions)
 {
   const auto contour = MakeContour(MakeSource(this->Image), 30.5);
-  // A coarse surface is one of all ranks' samples together, which they have to bring to each other.
-  EXPECT_LE(CountReductions(contour), GetParam() ? 25 : 4);
+  EXPECT_LE(CountReductions(contour), 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(MayBeCoarse, QueryCostOfAClick, testing::Bool());

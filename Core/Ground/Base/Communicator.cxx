@@ -59,9 +59,15 @@ Status ChooseError(const Status& mine, const std::vector<Message>& messages)
   {
     return Status(StatusCode::Aborted, readReason(*stopped));
   }
-  const auto failed = std::find_if(
-    messages.begin(), messages.end(), [](const Message& message) { return !message.empty(); });
-  return mine.IsOk()
+  // What follows from another rank's error says less than that one.
+  const auto isCause = [&](const Message& message)
+  { return !message.empty() && !hasCode(message, StatusCode::RemoteFailure); };
+  auto failed = std::find_if(messages.begin(), messages.end(), isCause);
+  const bool isKnown = failed != messages.end();
+  failed = isKnown ? failed
+                   : std::find_if(messages.begin(), messages.end(),
+                       [](const Message& message) { return !message.empty(); });
+  return mine.IsOk() || (isKnown && mine.GetCode() == StatusCode::RemoteFailure)
     ? Status(StatusCode::RemoteFailure,
         "rank " + std::to_string(failed - messages.begin()) + " failed: " + readReason(*failed))
     : mine;

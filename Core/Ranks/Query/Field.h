@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace isosurface
 {
@@ -34,6 +35,7 @@ public:
   {
     int Level = 0;
     bool IsDirect = false; ///< whether the finest level follows it
+    bool IsCommon = false; ///< whether it cannot but be the same on all ranks
   };
 
   virtual ~Field() = default;
@@ -46,8 +48,11 @@ public:
   virtual bool IsThere() const { return true; }
   /// The finest level that is made if `level` is asked for.
   virtual int FindFinestLevel(int level) const = 0;
-  /// The first result of a change, if `finest` is the last one.
-  virtual Result<First> FindFirst(Communicator& ranks, int finest) = 0;
+  /// What FindFirst has to know of this rank, as numbers to be summed; as many on all ranks.
+  virtual std::vector<std::uint64_t> CountForFirst() const { return {}; }
+  /// The first result of a change, if `finest` is the last one. `sums`: CountForFirst of all ranks.
+  virtual Result<First> FindFirst(
+    Communicator& ranks, const std::vector<std::uint64_t>& sums, int finest) = 0;
   /// The level that follows `level`, which is coarser than `finest`.
   virtual int GetNextLevel(int, int finest) const { return finest; }
   /// That of a level, or of the finest coarser one that is expected to keep the budget.

@@ -4,8 +4,8 @@
 #include "Ranks/Query/SurfaceMemory.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
-#include <vector>
 
 namespace isosurface
 {
@@ -44,6 +44,9 @@ Result<FieldRefinement::Choice> FieldRefinement::Begin(
   std::vector<std::uint64_t> sums = { isOfChange && field.IsSame() ? 0U : 1U,
     isOfChange && pass.Shown && field.IsOfLastSample() ? 1U : 0U, pass.Triangles,
     wanted.MayBeCoarse ? 0U : 1U, asked.IsOk() ? 0U : 1U };
+  const std::vector<std::uint64_t> counts = field.CountForFirst();
+  const auto ofField = static_cast<std::ptrdiff_t>(sums.size());
+  sums.insert(sums.end(), counts.begin(), counts.end());
   ranks.ReduceSum(sums);
   if (sums[4] != 0)
   {
@@ -59,12 +62,8 @@ Result<FieldRefinement::Choice> FieldRefinement::Begin(
     const bool mayAllStay = sums[1] == static_cast<std::uint64_t>(ranks.GetSize());
     if (wanted.IsProgressive || pass.Wanted.MayBeCoarse)
     {
-      const Status chosen = Attempt("the first level cannot be chosen",
-        [&] { return this->ChooseFirst(ranks, field, mayAllStay ? sums[2] : 0); });
-      const auto level = static_cast<std::uint64_t>(pass.Level);
-      ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(chosen,
-        { MakeCommonFile(
-          field.GetName(), 4 * level + (pass.IsDirect ? 2 : 0) + (pass.Stays ? 1 : 0)) }));
+      ISOSURFACE_RETURN_IF_ERROR(this->ChooseFirst(
+        ranks, field, { sums.begin() + ofField, sums.end() }, mayAllStay ? sums[2] : 0));
     }
     pass.Of = &field;
   }
@@ -72,16 +71,31 @@ Result<FieldRefinement::Choice> FieldRefinement::Begin(
   return Choice{ pass.Level, pass.MayStay, pass.Stays, pass.IsFinal };
 }
 
-Status FieldRefinement::ChooseFirst(Communicator& ranks, Field& field, std::uint64_t shown)
+Status FieldRefinement::ChooseFirst(
+  Communicator& ranks, Field& field, const std::vector<std::uint64_t>& sums, std::uint64_t shown)
 {
   Pass& pass = this->Last;
   const RefinementRequest& wanted = pass.Wanted;
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto first, field.FindFirst(ranks, wanted.Level));
-  pass.Level = first.Level;
-  // Scripts ask for the levels one by one; a window shows no more than a user can see.
-  pass.IsDirect = first.IsDirect && !wanted.IsProgressive;
-  pass.MayStay = field.BeginSample(wanted.MayBeCoarse && wanted.Level == 0 && !wanted.FindsIslands);
-  return shown > 0 ? this->ChooseLevelThatStays(ranks, field, shown) : Status::Ok();
+  Field::First first;
+  const auto choose = [&]() -> Status
+  {
+    ISOSURFACE_ASSIGN_OR_RETURN(first, field.FindFirst(ranks, sums, wanted.Level));
+    pass.Level = first.Level;
+    // Scripts ask for the levels one by one; a window shows no more than a user can see.
+    pass.IsDirect = first.IsDirect && !wanted.IsProgressive;
+    pass.MayStay =
+      field.BeginSample(wanted.MayBeCoarse && wanted.Level == 0 && !wanted.FindsIslands);
+    return shown > 0 ? this->ChooseLevelThatStays(ranks, field, shown) : Status::Ok();
+  };
+  const Status chosen = Attempt("the first level cannot be chosen", choose);
+  if (first.IsCommon && chosen.IsOk())
+  {
+    return chosen;
+  }
+  const auto level = static_cast<std::uint64_t>(pass.Level);
+  return ranks.Agree(chosen,
+    { MakeCommonFile(
+      field.GetName(), 4 * level + (pass.IsDirect ? 2 : 0) + (pass.Stays ? 1 : 0)) });
 }
 
 /// Has the surface of a sample stay until there is a finer one.

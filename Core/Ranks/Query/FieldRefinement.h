@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 namespace isosurface
 {
@@ -51,8 +52,8 @@ public:
   /// Chooses the level of the next surface: the one that Refine has chosen or, if on any rank the field
   /// has other samples or `wanted.Change` is new, the first one. `field` must outlive this object. `asked`:
   /// whether this rank has asked it. Errors: that of any rank, those of the field, or that the ranks see
-  /// different files. Collective: a reduction; after a change, if the first one may be coarse, also an
-  /// agreement and what Field::FindFirst needs.
+  /// different files. Collective: a reduction; after a change, if the first one may be coarse, also what
+  /// Field::FindFirst needs, and an agreement unless the field knows that the ranks agree.
   Result<Choice> Begin(Communicator& ranks, Field& field, const RefinementRequest& wanted,
     const Status& asked = Status::Ok());
   /// Tells whether what Begin has chosen is shown, at which level, and the triangles of this rank's part. A
@@ -105,9 +106,10 @@ private:
   };
 
   void Forget();
-  /// Chooses the first level after a change. `shown`: the triangles that are shown of a sample, which may
-  /// stay; or 0. Collective.
-  Status ChooseFirst(Communicator& ranks, Field& field, std::uint64_t shown);
+  /// Chooses the first level after a change, and agrees on it. `shown`: the triangles that are shown of a
+  /// sample, which may stay; or 0. `sums`: as Field::FindFirst takes them. Collective.
+  Status ChooseFirst(
+    Communicator& ranks, Field& field, const std::vector<std::uint64_t>& sums, std::uint64_t shown);
   Status ChooseLevelThatStays(Communicator& ranks, Field& field, std::uint64_t shown);
   /// The level that follows the last one.
   int GetNextLevel(const Field& field) const;

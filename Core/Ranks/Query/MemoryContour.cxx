@@ -6,8 +6,8 @@
 #include "Surface/Contour/GridBlockSource.h"
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "Surface/Contour/SurfaceMerge.h"
-#include "Surface/Pieces/PieceBlockSource.h"
 
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -162,75 +162,126 @@ Status MemoryContour::Prepare(const MemoryQuery& query, Prepared& prepared)
   return Status::Ok();
 }
 
-Status MemoryContour::Extract(Communicator& ranks, const MemoryQuery& query,
-  const Progress& progress, ExtractionOutcome& outcome)
+Result<std::vector<JoinedGrids>> JoinedGrids::Make(
+  Communicator& ranks, const Status& prepared, std::vector<MemoryQuery> queries)
 {
-  if (query.Joins)
+  std::vector<JoinedGrids> joined;
+  std::vector<PieceBlockInput> inputs;
+  int threads = 1;
+  const auto prepare = [&]() -> Status
   {
-    const Status status = ExtractJoined(ranks, query, progress, outcome);
-    // One rank alone may know that its pieces are of different types.
-    if (!ranks.Any(status.GetCode() == StatusCode::InvalidArgument))
+    ISOSURFACE_RETURN_IF_ERROR(prepared);
+    for (MemoryQuery& query : queries)
     {
-      return status;
-    }
-  }
-  return this->ExtractPieces(ranks, query, progress, outcome);
-}
-
-Status MemoryContour::ExtractJoined(Communicator& ranks, const MemoryQuery& query,
-  const Progress& progress, ExtractionOutcome& outcome)
-{
-  const std::vector<MemoryPiece>& pieces = query.Samples.Pieces;
-  const std::vector<GridGeometry>& grids = query.Samples.Grids;
-  std::vector<ChosenScalars> scalars;
-  std::vector<std::vector<GridPiece>> ofGrids;
-  std::vector<Surface> surfaces;
-  const auto choose = [&]
-  {
-    ofGrids.resize(grids.size());
-    surfaces.reserve(ofGrids.size());
-    scalars.reserve(pieces.size());
-    for (const MemoryPiece& piece : pieces)
-    {
-      scalars.emplace_back(piece.Components, query.Component, query.Threads);
-      ofGrids[piece.Grid].push_back({ scalars.back().GetView(piece.Components), piece.Attributes });
+      threads = query.Threads;
+      const std::size_t first = inputs.size();
+      joined.emplace_back();
+      joined.back().Query = std::move(query);
+      JoinedGrids& grids = joined.back();
+      for (std::size_t grid = 0; grid < grids.Query.Samples.Grids.size(); ++grid)
+      {
+        const ContourRequest& request = grids.Query.Request;
+        const std::optional<GridLines>& lines = grids.Query.Samples.Lines[grid];
+        inputs.push_back({ grids.Query.Samples.Grids[grid], {},
+          { request.Isovalues, grids.Query.Region, request.ClosedSides, lines ? &*lines : nullptr,
+            JoinedBlockSize, request.Normals } });
+      }
+      grids.Scalars.reserve(grids.Query.Samples.Pieces.size());
+      for (const MemoryPiece& piece : grids.Query.Samples.Pieces)
+      {
+        grids.Scalars.emplace_back(piece.Components, grids.Query.Component, threads);
+        inputs[first + piece.Grid].Pieces.push_back(
+          { grids.Scalars.back().GetView(piece.Components), piece.Attributes });
+      }
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotContoured, choose));
+  const Status status = Attempt(NotContoured, prepare);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto sources, PieceBlockSource::MakeAll(ranks, status, std::move(inputs), threads));
+  auto next = sources.begin();
+  for (JoinedGrids& grids : joined)
+  {
+    const auto end = next + static_cast<std::ptrdiff_t>(grids.Query.Samples.Grids.size());
+    grids.Sources.assign(std::move_iterator(next), std::move_iterator(end));
+    next = end;
+  }
+  return joined;
+}
+
+Status JoinedGrids::FindFault() const
+{
+  Status fault;
+  for (const auto& source : this->Sources)
+  {
+    if (fault.IsOk() || source->GetStatus().GetCode() == StatusCode::InvalidArgument)
+    {
+      fault = source->GetStatus();
+    }
+  }
+  return fault;
+}
+
+Status MemoryContour::Extract(Communicator& ranks, const Status& prepared, const MemoryQuery& query,
+  const Progress& progress, ExtractionOutcome& outcome)
+{
+  if (!query.Joins)
+  {
+    return this->ExtractPieces(ranks, prepared, query, progress, outcome);
+  }
+  std::vector<MemoryQuery> queries;
+  const auto add = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(prepared);
+    queries.push_back(query);
+    return Status::Ok();
+  };
+  const Status added = Attempt(NotContoured, add);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto joined, JoinedGrids::Make(ranks, added, std::move(queries)));
+  return this->Extract(ranks, joined.front(), progress, outcome);
+}
+
+Status MemoryContour::Extract(Communicator& ranks, const JoinedGrids& joined,
+  const Progress& progress, ExtractionOutcome& outcome)
+{
+  const Status fault = joined.FindFault();
+  if (fault.GetCode() == StatusCode::InvalidArgument)
+  {
+    return this->ExtractPieces(ranks, Status::Ok(), joined.Query, progress, outcome);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(fault);
+  return Attempt(NotContoured, [&] { return ExtractJoined(joined, progress, outcome); });
+}
+
+Status MemoryContour::ExtractJoined(
+  const JoinedGrids& joined, const Progress& progress, ExtractionOutcome& outcome)
+{
+  const MemoryQuery& query = joined.Query;
   const std::vector<std::int64_t> firstIds = query.FindFirstIds();
-  std::size_t blocks = 0;
-  for (std::size_t grid = 0; grid < grids.size(); ++grid)
+  std::vector<Surface> surfaces;
+  for (std::size_t grid = 0; grid < joined.Sources.size(); ++grid)
   {
     const std::optional<GridLines>& lines = query.Samples.Lines[grid];
-    const PieceBlockSelection selection = { query.Request.Isovalues, query.Region,
-      query.Request.ClosedSides, lines ? &*lines : nullptr, JoinedBlockSize,
-      query.Request.Normals };
-    ISOSURFACE_ASSIGN_OR_RETURN(const auto source,
-      PieceBlockSource::Make(
-        ranks, grids[grid], std::move(ofGrids[grid]), selection, query.Threads));
     ContourRequest request = query.Request;
-    request.Lines = selection.Lines;
-    auto extracted = ExtractSurface(grids[grid], *source, request, query.Threads, progress);
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(extracted.GetStatus()));
-    blocks += extracted->NumberOfBlocks;
-    ShiftGlobalIds(firstIds[grid], *extracted);
-    surfaces.push_back(std::move(*extracted));
+    request.Lines = lines ? &*lines : nullptr;
+    ISOSURFACE_ASSIGN_OR_RETURN(auto extracted,
+      ExtractSurface(
+        query.Samples.Grids[grid], *joined.Sources[grid], request, query.Threads, progress));
+    outcome.Cost.Reading.ActiveBlocks += extracted.NumberOfBlocks;
+    ShiftGlobalIds(firstIds[grid], extracted);
+    surfaces.push_back(std::move(extracted));
   }
-  const auto merge = [&]
-  {
-    outcome.Cost.Reading.ActiveBlocks += blocks;
-    outcome.Extracted = JoinPieces(query, surfaces);
-    return Status::Ok();
-  };
-  return Attempt(NotContoured, merge);
+  outcome.Extracted = JoinPieces(query, surfaces);
+  return Status::Ok();
 }
 
-Status MemoryContour::ExtractPieces(Communicator& ranks, const MemoryQuery& query,
-  const Progress& progress, ExtractionOutcome& outcome)
+Status MemoryContour::ExtractPieces(Communicator& ranks, const Status& given,
+  const MemoryQuery& query, const Progress& progress, ExtractionOutcome& outcome)
 {
   Prepared prepared;
-  const Status status = Attempt(NotContoured, [&] { return this->Prepare(query, prepared); });
+  const Status status =
+    given.IsOk() ? Attempt(NotContoured, [&] { return this->Prepare(query, prepared); }) : given;
   if (query.Request.Normals)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(

@@ -11,10 +11,12 @@
 #include "Ranks/Query/LevelExtraction.h"
 #include "Surface/Contour/BlockRanges.h"
 #include "Surface/Pieces/MemoryGrids.h"
+#include "Surface/Pieces/PieceBlockSource.h"
 #include "Surface/Pieces/PieceLayers.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace isosurface
@@ -40,6 +42,22 @@ struct MemoryQuery
   IslandGrids MakeIslandGrids(const Communicator& ranks) const;
 };
 
+/// A query whose grids are contoured as a whole, with the blocks of this rank.
+struct JoinedGrids
+{
+  /// Of several queries at once (PieceBlockSource::MakeAll). `prepared`: whether this rank has them.
+  /// Collective.
+  static Result<std::vector<JoinedGrids>> Make(
+    Communicator& ranks, const Status& prepared, std::vector<MemoryQuery> queries);
+
+  /// That of a source, InvalidArgument first, which all ranks have alike.
+  Status FindFault() const;
+
+  MemoryQuery Query;
+  std::vector<ChosenScalars> Scalars;                     ///< of the pieces
+  std::vector<std::unique_ptr<PieceBlockSource>> Sources; ///< of the grids; refer to Scalars
+};
+
 /**
  * Isosurfaces of grids in memory. The value ranges of their blocks, and magnitudes of vectors, are
  * kept from one extraction to the next, for as long as the samples stay the same.
@@ -48,13 +66,17 @@ class MemoryContour
 {
 public:
   /**
-   * The surface of this rank's pieces. The ids of several grids follow each other. Normals where
-   * pieces of a grid meet are those of the whole grid. Pieces with gaps between them, or of
-   * different types, are contoured one by one in any case. Collective.
+   * The surface of this rank's pieces, or of its blocks of joined grids. The ids of several grids follow each
+   * other. Normals where pieces of a grid meet are those of the whole grid. Pieces with gaps between them, or
+   * of different types, are contoured one by one in any case. `prepared`: whether this rank has the query.
+   * Collective.
    *
-   * Errors: those of BlockRanges::Compute; Aborted when `progress` says so.
+   * Errors, this rank's or those of all: that of `prepared`; those of BlockRanges::Compute and MakeAll of
+   * PieceBlockSource; Aborted when `progress` says so.
    */
-  Status Extract(Communicator& ranks, const MemoryQuery& query, const Progress& progress,
+  Status Extract(Communicator& ranks, const Status& prepared, const MemoryQuery& query,
+    const Progress& progress, ExtractionOutcome& outcome);
+  Status Extract(Communicator& ranks, const JoinedGrids& joined, const Progress& progress,
     ExtractionOutcome& outcome);
 
 private:
@@ -82,12 +104,11 @@ private:
   Status ExtractPrepared(const MemoryQuery& query, Prepared& prepared, const Progress& progress,
     ExtractionOutcome& outcome);
 
-  /// See Extract. Both are collective.
-  Status ExtractPieces(Communicator& ranks, const MemoryQuery& query, const Progress& progress,
-    ExtractionOutcome& outcome);
-  /// Errors: those of PieceBlockSource::Make and ExtractSurface.
-  static Status ExtractJoined(Communicator& ranks, const MemoryQuery& query,
+  /// See Extract. Collective.
+  Status ExtractPieces(Communicator& ranks, const Status& prepared, const MemoryQuery& query,
     const Progress& progress, ExtractionOutcome& outcome);
+  static Status ExtractJoined(
+    const JoinedGrids& joined, const Progress& progress, ExtractionOutcome& outcome);
 
   static Result<Surface> ExtractPiece(const MemoryQuery& query, std::size_t number,
     const Prepared& prepared, const Progress& progress);

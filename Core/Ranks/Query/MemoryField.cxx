@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ranks/Query/MemoryField.h"
 
+#include "Ground/Base/Coding.h"
+
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -34,6 +38,26 @@ PointPrecision ChoosePrecision(const MemoryGrids& samples, PointPrecision wanted
   return wanted == PointPrecision::Default ? PointPrecision::Single : wanted;
 }
 
+constexpr const char* NotExtracted = "the isosurface cannot be extracted";
+
+/// Of all ranks; or the error of any.
+Result<double> SumTriangles(Communicator& ranks, const Status& extracted, const Surface& mine)
+{
+  const auto tell = [&](Message& message) -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(extracted);
+    AppendVarint(message, mine.NumberOfTriangles);
+    return Status::Ok();
+  };
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto all, GatherFromAll(ranks, NotExtracted, tell));
+  double triangles = 0;
+  for (const Message& message : all)
+  {
+    triangles += static_cast<double>(ByteReader(message).ReadVarint());
+  }
+  return triangles;
+}
+
 } // namespace
 
 void MemoryField::Ask(MemoryQuery query, Progress advance)
@@ -60,39 +84,82 @@ void MemoryField::DropUnfinished()
   }
 }
 
-MemoryQuery MemoryField::MakeQuery(int level) const
+bool MemoryField::Joins() const
 {
   // Blocks with nothing but samples inside have a surface, too, if sides are closed.
-  const bool joins = this->AreSeveral && this->Asked.Request.ClosedSides.IsEmpty();
-  return level > 0 ? this->Asked.Coarsen(level, joins) : this->Asked;
+  return this->AreSeveral && this->Asked.Request.ClosedSides.IsEmpty();
+}
+
+MemoryQuery MemoryField::MakeQuery(int level) const
+{
+  return level > 0 ? this->Asked.Coarsen(level, this->Joins()) : this->Asked;
+}
+
+Status MemoryField::MakeQueries(
+  const std::vector<int>& levels, std::vector<MemoryQuery>& queries) const
+{
+  const auto make = [&]
+  {
+    for (const int level : levels)
+    {
+      queries.push_back(this->MakeQuery(level));
+    }
+    return Status::Ok();
+  };
+  return Attempt(NotExtracted, make);
+}
+
+std::vector<std::uint64_t> MemoryField::CountForFirst() const
+{
+  const MemoryGrids& samples = this->Asked.Samples;
+  const auto hides = [](const MemoryPiece& piece) { return !piece.Hidden.IsEmpty(); };
+  return { samples.CountSamples(), samples.Pieces.size(),
+    static_cast<std::uint64_t>(
+      std::count_if(samples.Pieces.begin(), samples.Pieces.end(), hides)) };
 }
 
 /// The finest surface that two cores extract and draw within some 0.1 s, if the exact one takes longer.
-Result<Field::First> MemoryField::FindFirst(Communicator& ranks, int finest)
+Result<Field::First> MemoryField::FindFirst(
+  Communicator& ranks, const std::vector<std::uint64_t>& sums, int finest)
 {
-  const MemoryGrids& samples = this->Asked.Samples;
-  std::vector<std::uint64_t> sums = { samples.CountSamples(), samples.Pieces.size(), 0 };
-  for (const MemoryPiece& piece : samples.Pieces)
-  {
-    sums[2] += piece.Hidden.IsEmpty() ? 0U : 1U;
-  }
-  ranks.ReduceSum(sums);
+  const First direct{ finest, false, true };
   this->AreSeveral = sums[1] > 1;
-  if (sums[2] > 0)
-  {
-    return First{ finest };
-  }
   const auto countVertices = [&](int level) { return sums[0] >> (3 * level); };
-  int level = 0;
-  while (countVertices(level) > ProbedVertices)
+  int coarsest = 0;
+  while (countVertices(coarsest) > ProbedVertices)
   {
-    ++level;
+    ++coarsest;
   }
-  for (; level > 0; --level)
+  std::vector<int> levels;
+  for (int level = coarsest; level > 0 && sums[2] == 0; --level)
   {
+    if (level == coarsest || countVertices(level) <= CoarseVertices)
+    {
+      levels.push_back(level);
+    }
+  }
+  if (levels.empty())
+  {
+    return direct;
+  }
+  std::vector<MemoryQuery> queries;
+  const Status made = this->MakeQueries(levels, queries);
+  std::vector<JoinedGrids> joined;
+  if (this->Joins())
+  {
+    ISOSURFACE_ASSIGN_OR_RETURN(joined, JoinedGrids::Make(ranks, made, std::move(queries)));
+  }
+  queries.resize(levels.size());
+  for (std::size_t n = 0; n < levels.size(); ++n)
+  {
+    const int level = levels[n];
     ExtractionOutcome coarse;
-    ISOSURFACE_RETURN_IF_ERROR(this->ExtractCoarsely(ranks, level, coarse));
-    const auto triangles = static_cast<double>(ranks.Sum(coarse.Extracted.NumberOfTriangles));
+    coarse.Cost.Level = level;
+    const Status extracted = this->Joins()
+      ? this->Coarse.Extract(ranks, joined[n], this->Advance, coarse)
+      : this->Coarse.Extract(ranks, made, queries[n], this->Advance, coarse);
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto triangles, SumTriangles(ranks, extracted, coarse.Extracted));
     if (sums[0] <= DirectVertices &&
       triangles * std::pow(TriangleGrowth, level) <= FirstSurfaceTriangles)
     {
@@ -104,28 +171,15 @@ Result<Field::First> MemoryField::FindFirst(Communicator& ranks, int finest)
       this->Probed = std::move(coarse);
       this->ProbedLevel = level;
       this->ProbedTriangles = triangles;
-      return First{ level, true };
+      return First{ level, true, true };
     }
   }
-  return First{ finest };
+  return direct;
 }
 
 Result<double> MemoryField::EstimateTriangles(int level)
 {
   return this->ProbedTriangles * std::pow(TriangleGrowth, this->ProbedLevel - level);
-}
-
-Status MemoryField::ExtractCoarsely(Communicator& ranks, int level, ExtractionOutcome& outcome)
-{
-  MemoryQuery query;
-  const auto make = [&]
-  {
-    query = this->MakeQuery(level);
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, "the isosurface cannot be extracted", make));
-  outcome.Cost.Level = level;
-  return ranks.Agree(this->Coarse.Extract(ranks, query, this->Advance, outcome));
 }
 
 Status MemoryField::Extract(Communicator& ranks, int level, ExtractionOutcome& outcome)
@@ -134,7 +188,12 @@ Status MemoryField::Extract(Communicator& ranks, int level, ExtractionOutcome& o
   {
     if (!this->Probed)
     {
-      return this->ExtractCoarsely(ranks, level, outcome);
+      std::vector<MemoryQuery> query;
+      const Status made = this->MakeQueries({ level }, query);
+      query.resize(1);
+      query.front().Joins = this->Joins(); // on all ranks
+      outcome.Cost.Level = level;
+      return this->Coarse.Extract(ranks, made, query.front(), this->Advance, outcome);
     }
     outcome = std::move(*this->Probed);
     this->Probed.reset();
@@ -145,7 +204,7 @@ Status MemoryField::Extract(Communicator& ranks, int level, ExtractionOutcome& o
   if (!this->HasBegun || !ranks.All(this->Prepared != nullptr))
   {
     this->Prepared.reset();
-    return this->Exact.Extract(ranks, this->Asked, this->Advance, outcome);
+    return this->Exact.Extract(ranks, Status::Ok(), this->Asked, this->Advance, outcome);
   }
   const std::unique_ptr<BackgroundExtraction> prepared = std::move(this->Prepared);
   return prepared->Take(ranks, this->Advance, outcome);
@@ -161,7 +220,7 @@ Status MemoryField::Prepare(Communicator& ranks, int)
       this->Prepared = std::make_unique<BackgroundExtraction>(ranks,
         [this, query = this->Asked](
           Communicator& all, const Progress& advance, ExtractionOutcome& outcome)
-        { return this->Exact.Extract(all, query, advance, outcome); });
+        { return this->Exact.Extract(all, Status::Ok(), query, advance, outcome); });
       return Status::Ok();
     });
 }

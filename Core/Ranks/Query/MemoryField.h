@@ -33,7 +33,12 @@ public:
   std::string GetName() const override { return "the images of the input"; }
   bool IsSame() const override { return this->Same; }
   int FindFinestLevel(int) const override { return 0; }
-  Result<First> FindFirst(Communicator& ranks, int finest) override;
+  /// Samples, pieces, and pieces that hide something.
+  std::vector<std::uint64_t> CountForFirst() const override;
+  /// Cost: the surfaces of the coarse levels up to the first one, whose samples the ranks bring to each other
+  /// all at once.
+  Result<First> FindFirst(
+    Communicator& ranks, const std::vector<std::uint64_t>& sums, int finest) override;
   Result<double> EstimateTriangles(int level) override;
   Status Prepare(Communicator& ranks, int level) override;
   CollectiveTask* GetPrepared() override
@@ -44,7 +49,10 @@ public:
   void Forget() override;
 
 private:
-  Status ExtractCoarsely(Communicator& ranks, int level, ExtractionOutcome& outcome);
+  /// Whether coarse levels are contoured as whole grids.
+  bool Joins() const;
+  /// What coarse surfaces are extracted of, from the coarsest on. The error is this rank's.
+  Status MakeQueries(const std::vector<int>& levels, std::vector<MemoryQuery>& queries) const;
 
   MemoryContour Exact;
   MemoryContour Coarse; ///< of its own, so that ranges of exact ones stay

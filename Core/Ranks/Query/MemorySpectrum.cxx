@@ -218,12 +218,6 @@ void MemorySpectrum::Ask(
   }
 }
 
-Result<Field::First> MemorySpectrum::FindFirst(Communicator& ranks, int finest)
-{
-  const std::uint64_t left = ranks.Sum(this->AreCounted ? 0 : this->Samples.CountSamples());
-  return First{ left > this->SamplesAtOnce ? 1 : finest, true };
-}
-
 Status MemorySpectrum::Prepare(Communicator& ranks, int)
 {
   return Attempt(NotCounted,

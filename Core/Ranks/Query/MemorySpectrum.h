@@ -39,7 +39,15 @@ public:
   std::string GetName() const override { return "the images of the input"; }
   bool IsSame() const override { return this->Same; }
   int FindFinestLevel(int) const override { return 0; }
-  Result<First> FindFirst(Communicator& ranks, int finest) override;
+  std::vector<std::uint64_t> CountForFirst() const override
+  {
+    return { this->AreCounted ? 0 : this->Samples.CountSamples() };
+  }
+  Result<First> FindFirst(
+    Communicator&, const std::vector<std::uint64_t>& sums, int finest) override
+  {
+    return First{ sums[0] > this->SamplesAtOnce ? 1 : finest, true, true };
+  }
   Status Prepare(Communicator& ranks, int) override;
   CollectiveTask* GetPrepared() override { return this->Work.get(); }
   void DropPrepared() override { this->Work.reset(); }

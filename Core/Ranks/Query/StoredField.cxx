@@ -33,7 +33,8 @@ int StoredField::FindFinestLevel(int level) const
   return std::min(level, this->GetVolume()->GetNumberOfLevels() - 1);
 }
 
-Result<Field::First> StoredField::FindFirst(Communicator&, int finest)
+Result<Field::First> StoredField::FindFirst(
+  Communicator&, const std::vector<std::uint64_t>&, int finest)
 {
   const BlockedVolume& volume = *this->GetVolume();
   ISOSURFACE_ASSIGN_OR_RETURN(const double all, this->EstimateTriangles(finest));

@@ -48,7 +48,8 @@ public:
   /// The finest one coarser than `finest` with at most FirstSurfaceShare of the triangles at `finest`, and
   /// at most FirstSurfaceTriangles. If no level is as coarse, or the surface is estimated to vanish there,
   /// the coarsest level with triangles. Cost: the spectra of the volume, which it keeps.
-  Result<First> FindFirst(Communicator& ranks, int finest) override;
+  Result<First> FindFirst(
+    Communicator& ranks, const std::vector<std::uint64_t>& sums, int finest) override;
   /// The finest level, but not finer than `finest`, that is stored in the same blocks as the next finer
   /// one. Coarser levels there would read as many blocks for a fraction of the triangles.
   int GetNextLevel(int level, int finest) const override;

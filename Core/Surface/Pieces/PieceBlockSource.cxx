@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Surface/Pieces/PieceBlockSource.h"
 
-#include "Ground/Base/Coding.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Ground/Volume/SampleRange.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace isosurface
 {
@@ -13,6 +14,10 @@ namespace
 {
 
 constexpr const char* NotShared = "the blocks that ranks share cannot be collected";
+
+/// Where samples lie of an isovalue's threshold.
+constexpr int Below = 1;
+constexpr int NotBelow = 2;
 
 } // namespace
 
@@ -27,31 +32,110 @@ PieceBlockSource::PieceBlockSource(
 {
 }
 
-Result<std::unique_ptr<PieceBlockSource>> PieceBlockSource::Make(Communicator& ranks,
-  const GridGeometry& grid, std::vector<GridPiece> pieces, const PieceBlockSelection& selection,
-  int threads)
+Result<std::unique_ptr<PieceBlockSource>> PieceBlockSource::Make(
+  Communicator& ranks, PieceBlockInput input, int threads)
 {
-  std::unique_ptr<PieceBlockSource> source;
-  Message mine;
-  const auto describe = [&]
+  std::vector<PieceBlockInput> inputs;
+  const auto prepare = [&]
   {
-    source.reset(new PieceBlockSource(grid, std::move(pieces), selection));
-    return source->DescribePieces(mine);
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotShared, describe));
-  const std::vector<Message> all = ranks.AllGather(mine);
-  CommonRanges ranges;
-  const auto find = [&]() -> Status
-  {
-    ISOSURFACE_RETURN_IF_ERROR(source->AddPieces(all));
-    source->FindBlocks(ranks.GetRank(), selection, threads);
-    source->FindSharedRanges(ranks.GetRank(), ranges);
+    inputs.push_back(std::move(input));
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotShared, find));
-  ranges.Join(ranks);
-  ISOSURFACE_RETURN_IF_ERROR(source->CollectShared(ranks));
-  return source;
+  const Status prepared = Attempt(NotShared, prepare);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto made, MakeAll(ranks, prepared, std::move(inputs), threads));
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(made.front()->GetStatus()));
+  return std::move(made.front());
+}
+
+Result<std::vector<std::unique_ptr<PieceBlockSource>>> PieceBlockSource::MakeAll(
+  Communicator& ranks, const Status& prepared, std::vector<PieceBlockInput> inputs, int threads)
+{
+  const int rank = ranks.GetRank();
+  std::vector<std::unique_ptr<PieceBlockSource>> sources;
+  const auto describe = [&](Message& mine) -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(prepared);
+    for (PieceBlockInput& input : inputs)
+    {
+      sources.emplace_back(
+        new PieceBlockSource(input.Grid, std::move(input.Pieces), input.Selection));
+      const Message pieces = sources.back()->DescribePieces();
+      AppendVarint(mine, pieces.size());
+      mine.insert(mine.end(), pieces.begin(), pieces.end());
+    }
+    return Status::Ok();
+  };
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto described, GatherFromAll(ranks, NotShared, describe));
+  std::vector<ByteReader> readers;
+  const auto find = [&](Message& mine)
+  {
+    std::vector<ByteReader> pieces(described.begin(), described.end());
+    for (std::size_t n = 0; n < sources.size(); ++n)
+    {
+      sources[n]->AddPieces(pieces);
+      if (sources[n]->Fault.IsOk())
+      {
+        sources[n]->FindBlocks(rank, inputs[n].Selection, threads);
+      }
+      sources[n]->AppendRanges(rank, mine);
+    }
+    readers.reserve(described.size());
+    return Status::Ok();
+  };
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto ranges, GatherFromAll(ranks, NotShared, find));
+  // From here on all ranks know the same of each source, whatever memory a rank lacks.
+  for (const Message& message : ranges)
+  {
+    readers.emplace_back(message);
+  }
+  bool areShared = false;
+  for (const auto& source : sources)
+  {
+    source->TakeRanges(readers);
+    areShared = areShared || !source->Shared.empty();
+  }
+  if (areShared)
+  {
+    ShareSamples(ranks, sources);
+  }
+  return sources;
+}
+
+// Brings the samples of the shared active blocks to their owners. A rank without memory for that sends
+// nothing, which the others find.
+void PieceBlockSource::ShareSamples(
+  Communicator& ranks, const std::vector<std::unique_ptr<PieceBlockSource>>& sources)
+{
+  const auto ranksThere = static_cast<std::size_t>(ranks.GetSize());
+  std::vector<Message> outgoing(ranksThere);
+  const auto pack = [&]
+  {
+    for (const auto& source : sources)
+    {
+      source->PackShared(ranks.GetRank(), outgoing);
+    }
+    return Status::Ok();
+  };
+  Status shared = Attempt(NotShared, pack);
+  if (!shared.IsOk())
+  {
+    outgoing.assign(ranksThere, {});
+  }
+  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
+  const auto place = [&]() -> Status
+  {
+    std::vector<ByteReader> readers(incoming.begin(), incoming.end());
+    for (const auto& source : sources)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(source->PlaceShared(ranks.GetRank(), readers));
+    }
+    return Status::Ok();
+  };
+  shared = shared.IsOk() ? Attempt(NotShared, place) : shared;
+  for (const auto& source : sources)
+  {
+    source->Fault = source->Fault.IsOk() ? shared : source->Fault;
+  }
 }
 
 std::vector<SampleView> PieceBlockSource::GetViews(std::size_t piece) const
@@ -64,7 +148,7 @@ std::vector<SampleView> PieceBlockSource::GetViews(std::size_t piece) const
   return views;
 }
 
-// The message, all int64. With n pieces on the rank, 0 without:
+// The message, all varints. With n pieces on the rank; nothing without; a 0 for pieces of different types:
 //
 //     +--------------------------------------------------+
 //     | components of all arrays, scalars first      (c) |
@@ -73,67 +157,79 @@ std::vector<SampleView> PieceBlockSource::GetViews(std::size_t piece) const
 //     | components of each attribute                 x a |
 //     | box of each piece: low x, y, z, high x, y, z x n |
 //     +--------------------------------------------------+
-Status PieceBlockSource::DescribePieces(Message& message) const
+Message PieceBlockSource::DescribePieces() const
 {
+  Message message;
   for (std::size_t n = 0; n < this->Pieces.size(); ++n)
   {
     Message arrays;
     const std::vector<SampleView> views = this->GetViews(n);
-    AppendLittleEndian(arrays, static_cast<std::int64_t>(views.size()));
-    AppendLittleEndian(arrays, static_cast<std::int64_t>(this->Pieces[n].Attributes.size()));
+    AppendVarint(arrays, views.size());
+    AppendVarint(arrays, this->Pieces[n].Attributes.size());
     for (const SampleView& view : views)
     {
-      AppendLittleEndian(arrays, static_cast<std::int64_t>(view.Type));
+      AppendVarint(arrays, static_cast<std::uint64_t>(view.Type));
     }
     for (const AttributeView& attribute : this->Pieces[n].Attributes)
     {
-      AppendLittleEndian(arrays, static_cast<std::int64_t>(attribute.Components.size()));
+      AppendVarint(arrays, attribute.Components.size());
     }
     if (!message.empty() && arrays != message)
     {
-      return { StatusCode::InvalidArgument,
-        "the arrays are not of the same types in all images of the input" };
+      return Message(1, std::uint8_t{ 0 });
     }
     message = std::move(arrays);
   }
   for (const GridPiece& piece : this->Pieces)
   {
-    AppendBox(message, piece.Scalars.Available);
-  }
-  return Status::Ok();
-}
-
-Status PieceBlockSource::AddPieces(const std::vector<Message>& messages)
-{
-  for (std::size_t rank = 0; rank < messages.size(); ++rank)
-  {
-    if (!messages[rank].empty())
+    for (const Index3& corner : { piece.Scalars.Available.Low, piece.Scalars.Available.High })
     {
-      ISOSURFACE_RETURN_IF_ERROR(this->AddPiecesOf(static_cast<int>(rank), messages[rank]));
+      for (const std::int64_t coordinate : corner)
+      {
+        AppendVarint(message, static_cast<std::uint64_t>(coordinate));
+      }
     }
   }
-  if (this->Types.empty())
-  {
-    return { StatusCode::InvalidArgument, "the input has no samples" };
-  }
-  this->Thresholds = FindThresholdKeys(this->Types.front(), this->Isovalues);
-  return Status::Ok();
+  return message;
 }
 
-Status PieceBlockSource::AddPiecesOf(int rank, const Message& message)
+void PieceBlockSource::AddPieces(std::vector<ByteReader>& readers)
 {
-  ByteReader reader(message.data(), message.size());
-  const auto components = reader.Read<std::int64_t>();
-  const auto attributes = reader.Read<std::int64_t>();
-  std::vector<ValueType> types;
-  std::vector<int> sizes;
-  for (std::int64_t n = 0; n < components; ++n)
+  for (std::size_t rank = 0; rank < readers.size(); ++rank)
   {
-    types.push_back(static_cast<ValueType>(reader.Read<std::int64_t>()));
+    const auto size = static_cast<std::size_t>(readers[rank].ReadVarint());
+    const ByteReader reader(readers[rank].ReadBytes(size), size);
+    if (size > 0 && this->Fault.IsOk())
+    {
+      this->Fault = this->AddPiecesOf(static_cast<int>(rank), reader);
+    }
   }
-  for (std::int64_t n = 0; n < attributes; ++n)
+  if (this->Fault.IsOk() && this->Types.empty())
   {
-    sizes.push_back(static_cast<int>(reader.Read<std::int64_t>()));
+    this->Fault = { StatusCode::InvalidArgument, "the input has no samples" };
+  }
+  if (this->Fault.IsOk())
+  {
+    this->Thresholds = FindThresholdKeys(this->Types.front(), this->Isovalues);
+  }
+}
+
+Status PieceBlockSource::AddPiecesOf(int rank, ByteReader reader)
+{
+  std::vector<ValueType> types(static_cast<std::size_t>(reader.ReadVarint()));
+  if (types.empty())
+  {
+    return { StatusCode::InvalidArgument,
+      "the arrays are not of the same types in all images of the input" };
+  }
+  std::vector<int> sizes(static_cast<std::size_t>(reader.ReadVarint()));
+  for (ValueType& type : types)
+  {
+    type = static_cast<ValueType>(reader.ReadVarint());
+  }
+  for (int& size : sizes)
+  {
+    size = reader.ReadVarint<int>();
   }
   if (!this->Types.empty() && (types != this->Types || sizes != this->AttributeSizes))
   {
@@ -145,16 +241,21 @@ Status PieceBlockSource::AddPiecesOf(int rank, const Message& message)
   for (std::size_t number = 0; reader.GetRemaining() > 0; ++number)
   {
     this->AllPieces.push_back({ rank, number });
-    this->Boxes.push_back(ReadBox(reader));
+    VertexBox& box = this->Boxes.emplace_back();
+    for (Index3* corner : { &box.Low, &box.High })
+    {
+      for (std::int64_t& coordinate : *corner)
+      {
+        coordinate = static_cast<std::int64_t>(reader.ReadVarint());
+      }
+    }
   }
   return Status::Ok();
 }
 
-bool PieceBlockSource::IsWanted(std::int64_t number, const KeyRange& range) const
+bool PieceBlockSource::IsAtClosedSide(std::int64_t number) const
 {
-  return this->ClosedSides.Touch(this->Grid.GetVertices(number), this->Grid.GetDimensions()) ||
-    std::any_of(this->Thresholds.begin(), this->Thresholds.end(),
-      [&range](ValueKey threshold) { return range.Straddles(threshold); });
+  return this->ClosedSides.Touch(this->Grid.GetVertices(number), this->Grid.GetDimensions());
 }
 
 // Sorts the blocks of the region into those within a piece, of which the own active ones are kept, and
@@ -198,6 +299,7 @@ void PieceBlockSource::FindBlocks(int rank, const PieceBlockSelection& selection
       std::vector<VertexBox> missing = { samples };
       block.Supplies = FindSupplies(this->Boxes, missing);
       block.HasGap = !missing.empty();
+      block.Sides.resize(this->Thresholds.size());
     }
   }
   std::vector<SampleRange> ranges(whole.size());
@@ -210,7 +312,10 @@ void PieceBlockSource::FindBlocks(int rank, const PieceBlockSelection& selection
   for (std::size_t n = 0; n < whole.size(); ++n)
   {
     this->Finite.Add(ranges[n].Finite);
-    if (this->IsWanted(whole[n].first, ranges[n].All))
+    const KeyRange& range = ranges[n].All;
+    if (this->IsAtClosedSide(whole[n].first) ||
+      std::any_of(this->Thresholds.begin(), this->Thresholds.end(),
+        [&range](ValueKey threshold) { return range.Straddles(threshold); }))
     {
       this->Numbers.push_back(whole[n].first);
       this->Places.push_back({ false, whole[n].second });
@@ -218,64 +323,72 @@ void PieceBlockSource::FindBlocks(int rank, const PieceBlockSelection& selection
   }
 }
 
-// Adds the ranges of the shared blocks' samples that this rank has, and that of all its samples.
-void PieceBlockSource::FindSharedRanges(int rank, CommonRanges& common)
+// The keys of the finite range of this rank's samples; then, of each shared block that this rank has samples of,
+// how many blocks further it is, from 1 on, and its Sides; then 0.
+void PieceBlockSource::AppendRanges(int rank, Message& message)
 {
-  common.Add(this->Finite);
-  for (SharedBlock& block : this->Shared)
+  Message blocks;
+  std::size_t next = 0;
+  for (std::size_t n = 0; n < this->Shared.size(); ++n)
   {
-    for (const Supply& supply : block.Supplies)
+    SampleRange range;
+    for (const Supply& supply : this->Shared[n].Supplies)
     {
       const PieceOwner& piece = this->AllPieces[supply.Piece];
-      const VertexBox own = supply.Box.Intersect(this->Grid.GetVertices(block.Number));
+      const VertexBox own = supply.Box.Intersect(this->Grid.GetVertices(this->Shared[n].Number));
       if (piece.Rank == rank && !own.IsEmpty())
       {
-        block.Range.Add(FindSampleRange(this->Pieces[piece.Number].Scalars, own));
+        range.Add(FindSampleRange(this->Pieces[piece.Number].Scalars, own));
       }
     }
-    common.Add(block.Range.All);
-    common.Add(block.Range.Finite);
+    if (range.All.IsEmpty())
+    {
+      continue;
+    }
+    this->Finite.Add(range.Finite);
+    AppendVarint(blocks, n + 1 - std::exchange(next, n + 1));
+    for (const ValueKey threshold : this->Thresholds)
+    {
+      blocks.push_back(static_cast<std::uint8_t>((range.All.Minimum < threshold ? Below : 0) |
+        (threshold <= range.All.Maximum ? NotBelow : 0)));
+    }
   }
+  AppendLittleEndian(message, this->Finite.Minimum);
+  AppendLittleEndian(message, this->Finite.Maximum);
+  message.insert(message.end(), blocks.begin(), blocks.end());
+  AppendVarint(message, 0);
 }
 
-// Once the ranges are those of all ranks.
-void PieceBlockSource::DropInactive()
+void PieceBlockSource::TakeRanges(std::vector<ByteReader>& readers)
 {
-  for (const SharedBlock& block : this->Shared)
+  for (ByteReader& reader : readers)
   {
-    this->Finite.Add(block.Range.Finite);
+    const auto minimum = reader.Read<ValueKey>();
+    this->Finite.Add({ minimum, reader.Read<ValueKey>() });
+    auto block = this->Shared.begin();
+    while (const auto further = static_cast<std::ptrdiff_t>(reader.ReadVarint()))
+    {
+      block += further;
+      for (std::uint8_t& sides : (block - 1)->Sides)
+      {
+        sides = static_cast<std::uint8_t>(sides | reader.Read<std::uint8_t>());
+      }
+    }
   }
+  const auto isUnwanted = [this](const SharedBlock& block)
+  {
+    return !this->IsAtClosedSide(block.Number) &&
+      std::find(block.Sides.begin(), block.Sides.end(), Below | NotBelow) == block.Sides.end();
+  };
   this->Shared.erase(
-    std::remove_if(this->Shared.begin(), this->Shared.end(),
-      [this](const SharedBlock& block) { return !this->IsWanted(block.Number, block.Range.All); }),
-    this->Shared.end());
-}
-
-// Brings the samples of the shared active blocks to their owners.
-Status PieceBlockSource::CollectShared(Communicator& ranks)
-{
-  this->DropInactive();
-  const auto hasGap = [](const SharedBlock& block) { return block.HasGap; };
-  if (std::any_of(this->Shared.begin(), this->Shared.end(), hasGap))
+    std::remove_if(this->Shared.begin(), this->Shared.end(), isUnwanted), this->Shared.end());
+  if (std::any_of(this->Shared.begin(), this->Shared.end(),
+        [](const SharedBlock& block) { return block.HasGap; }))
   {
-    return { StatusCode::InvalidArgument,
+    this->Fault = { StatusCode::InvalidArgument,
       "the images of the input leave gaps in their grid where the isosurface passes" };
+    this->Shared.clear();
   }
-  std::vector<Message> outgoing;
-  const auto pack = [&]
-  {
-    outgoing.resize(static_cast<std::size_t>(ranks.GetSize()));
-    this->PackShared(ranks.GetRank(), outgoing);
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotShared, pack));
-  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
-  const auto place = [&]
-  {
-    this->PlaceShared(ranks.GetRank(), incoming);
-    return Status::Ok();
-  };
-  return AttemptOnAll(ranks, NotShared, place);
 }
 
 // Packs the samples for each rank, and makes room for those that this rank will get.
@@ -305,9 +418,8 @@ void PieceBlockSource::PackShared(int rank, std::vector<Message>& outgoing)
 }
 
 // Adds the shared blocks of this rank to its own, with the samples that all ranks sent.
-void PieceBlockSource::PlaceShared(int rank, const std::vector<Message>& incoming)
+Status PieceBlockSource::PlaceShared(int rank, std::vector<ByteReader>& readers)
 {
-  std::vector<ByteReader> readers(incoming.begin(), incoming.end());
   for (std::size_t index = 0; index < this->Shared.size(); ++index)
   {
     SharedBlock& block = this->Shared[index];
@@ -322,6 +434,10 @@ void PieceBlockSource::PlaceShared(int rank, const std::vector<Message>& incomin
       for (std::size_t n = 0; n < this->Types.size(); ++n)
       {
         const std::uint8_t* bytes = reader.ReadBytes(count * GetValueSize(this->Types[n]));
+        if (!bytes)
+        {
+          return { StatusCode::RemoteFailure, "another rank has no memory to send its samples" };
+        }
         CopyBox(MakeSampleView(this->Types[n], supply.Box, bytes), supply.Box, block.Samples,
           block.Arrays[n].GetData());
       }
@@ -330,6 +446,7 @@ void PieceBlockSource::PlaceShared(int rank, const std::vector<Message>& incomin
     this->Places.insert(this->Places.begin() + (place - this->Numbers.begin()), { true, index });
     this->Numbers.insert(place, block.Number);
   }
+  return Status::Ok();
 }
 
 Result<BlockSamples> PieceBlockSource::Acquire(std::size_t block)

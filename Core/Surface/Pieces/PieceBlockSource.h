@@ -3,6 +3,7 @@
 #define isosurface_PieceBlockSource_h
 
 #include "Ground/Base/Buffer.h"
+#include "Ground/Base/Coding.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
@@ -11,7 +12,6 @@
 #include "Ground/Volume/GridSides.h"
 #include "Ground/Volume/PieceOwnership.h"
 #include "Ground/Volume/Region.h"
-#include "Ground/Volume/SampleRange.h"
 #include "Ground/Volume/ValueKey.h"
 
 #include <cstddef>
@@ -40,6 +40,14 @@ struct PieceBlockSelection
   bool WithLayer = false; ///< whether Available covers a layer around each block, for gradients
 };
 
+/// What this rank gives a PieceBlockSource. The pieces are in the coordinates of the grid (from 0).
+struct PieceBlockInput
+{
+  GridGeometry Grid; ///< the same on all ranks, as is Selection
+  std::vector<GridPiece> Pieces;
+  PieceBlockSelection Selection;
+};
+
 /**
  * The active blocks of a grid of which the ranks have pieces in memory, of any shape, overlapping
  * ones included. The blocks are those of the grid as a whole, so blocks and samples do not depend
@@ -54,15 +62,21 @@ class PieceBlockSource : public BlockSource
 {
 public:
   /**
-   * Collective; pieces are in the coordinates of the grid (from 0). Cost: one pass over the samples
-   * of the selected blocks.
+   * One source for each input, all by two gathers and an exchange. `prepared`: whether this rank has the
+   * inputs, as many as all ranks. Collective. Cost: one pass over the samples of the selected blocks.
    *
-   * Errors, of any rank: InvalidArgument for pieces of different types, or between which an active
-   * block has a gap; OutOfMemory.
+   * Errors, of any rank: that of `prepared`, OutOfMemory. Others are those of a source (GetStatus).
    */
-  static Result<std::unique_ptr<PieceBlockSource>> Make(Communicator& ranks,
-    const GridGeometry& grid, std::vector<GridPiece> pieces, const PieceBlockSelection& selection,
-    int threads);
+  static Result<std::vector<std::unique_ptr<PieceBlockSource>>> MakeAll(
+    Communicator& ranks, const Status& prepared, std::vector<PieceBlockInput> inputs, int threads);
+  /// One source; its errors are those of all ranks.
+  static Result<std::unique_ptr<PieceBlockSource>> Make(
+    Communicator& ranks, PieceBlockInput input, int threads);
+
+  /// InvalidArgument, on all ranks, for pieces of different types, or between which an active block has a gap;
+  /// this rank's OutOfMemory; RemoteFailure if another rank had no memory to send samples. Then nothing
+  /// can be acquired.
+  const Status& GetStatus() const { return this->Fault; }
 
   /// The numbers of this rank's blocks in the BlockGrid of the whole grid, ascending.
   const std::vector<std::int64_t>& GetNumbers() const { return this->Numbers; }
@@ -98,7 +112,8 @@ private:
     VertexBox Samples; ///< that the owner needs
     std::vector<Supply> Supplies;
     bool HasGap = false;
-    SampleRange Range;
+    /// On which sides of each isovalue's threshold it has samples: on both, if it is active.
+    std::vector<std::uint8_t> Sides;
     std::vector<Buffer<std::uint8_t>> Arrays; ///< on the owner: one a component
   };
 
@@ -112,18 +127,19 @@ private:
   PieceBlockSource(const GridGeometry& geometry, std::vector<GridPiece> pieces,
     const PieceBlockSelection& selection);
   /// Describes the pieces of this rank to the others; and adds the pieces of all ranks.
-  Status DescribePieces(Message& message) const;
-  Status AddPieces(const std::vector<Message>& messages);
-  Status AddPiecesOf(int rank, const Message& message);
+  Message DescribePieces() const;
+  void AddPieces(std::vector<ByteReader>& readers);
+  Status AddPiecesOf(int rank, ByteReader reader);
   void FindBlocks(int rank, const PieceBlockSelection& selection, int threads);
-  void FindSharedRanges(int rank, CommonRanges& common);
-  void DropInactive();
-  /// Collective.
-  Status CollectShared(Communicator& ranks);
+  /// Tells the others the range of this rank's samples, and on which sides of the isovalues those of shared blocks
+  /// are; and takes what all tell.
+  void AppendRanges(int rank, Message& message);
+  void TakeRanges(std::vector<ByteReader>& readers);
+  static void ShareSamples(
+    Communicator& ranks, const std::vector<std::unique_ptr<PieceBlockSource>>& sources);
   void PackShared(int rank, std::vector<Message>& outgoing);
-  void PlaceShared(int rank, const std::vector<Message>& incoming);
-  /// Whether a block is active, or at a closed side.
-  bool IsWanted(std::int64_t number, const KeyRange& range) const;
+  Status PlaceShared(int rank, std::vector<ByteReader>& readers);
+  bool IsAtClosedSide(std::int64_t number) const;
   /// The views of all components of a piece: scalars first.
   std::vector<SampleView> GetViews(std::size_t piece) const;
 
@@ -135,13 +151,14 @@ private:
   std::vector<ValueKey> Thresholds;
   std::vector<GridPiece> Pieces;
   std::vector<PieceOwner> AllPieces; ///< of all ranks, by rank
-  std::vector<VertexBox> Boxes;       ///< of all samples that these pieces have
-  std::vector<ValueType> Types;       ///< of the scalars, then of each attribute's components
-  std::vector<int> AttributeSizes;    ///< components of each attribute
+  std::vector<VertexBox> Boxes;      ///< of all samples that these pieces have
+  std::vector<ValueType> Types;      ///< of the scalars, then of each attribute's components
+  std::vector<int> AttributeSizes;   ///< components of each attribute
   std::vector<SharedBlock> Shared;
   std::vector<std::int64_t> Numbers;
   std::vector<Place> Places; ///< of the blocks of Numbers
   KeyRange Finite;
+  Status Fault;
 };
 
 } // namespace isosurface

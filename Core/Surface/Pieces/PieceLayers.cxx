@@ -123,21 +123,18 @@ Result<PieceLayers> PieceLayers::Collect(
   };
   ISOSURFACE_ASSIGN_OR_RETURN(const auto messages, GatherFromAll(ranks, NoLayers, describe));
   const auto own = static_cast<std::size_t>(ranks.GetRank());
-  std::vector<Message> outgoing;
-  bool isAnyNeeded = false; // the same on all ranks
+  std::vector<Message> outgoing(messages.size());
   PieceLayers layers;
   // Packs what other pieces need of this rank's, and makes room for what its own ones need.
   const auto pack = [&]
   {
     const std::vector<DescribedPiece> all = ReadPieces(messages);
-    outgoing.resize(messages.size());
     layers.Layers.resize(pieces.size());
     for (const DescribedPiece& piece : all)
     {
       for (const Supply& supply : FindLayer(all, piece))
       {
         const DescribedPiece& from = all[supply.Piece];
-        isAnyNeeded = true;
         if (from.Rank == own)
         {
           AppendPart(pieces[from.Number], supply.Box, outgoing[piece.Rank]);
@@ -150,15 +147,19 @@ Result<PieceLayers> PieceLayers::Collect(
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoLayers, pack));
-  if (isAnyNeeded)
+  // A rank without memory for that sends nothing, which the others find.
+  const Status packed = Attempt(NoLayers, pack);
+  if (!packed.IsOk())
   {
-    layers.Place(ranks.Exchange(std::move(outgoing)));
+    outgoing.assign(messages.size(), {});
   }
+  const std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
+  ISOSURFACE_RETURN_IF_ERROR(packed);
+  ISOSURFACE_RETURN_IF_ERROR(Attempt(NoLayers, [&] { return layers.Place(incoming); }));
   return layers;
 }
 
-void PieceLayers::Place(const std::vector<Message>& incoming)
+Status PieceLayers::Place(const std::vector<Message>& incoming)
 {
   std::vector<ByteReader> readers(incoming.begin(), incoming.end());
   for (std::vector<LayerBox>& parts : this->Layers)
@@ -166,11 +167,17 @@ void PieceLayers::Place(const std::vector<Message>& incoming)
     for (LayerBox& part : parts)
     {
       ByteReader& reader = readers[static_cast<std::size_t>(part.Rank)];
-      const std::size_t bytes = part.Samples.GetSize();
-      std::memcpy(part.Samples.GetData(), reader.ReadBytes(bytes), bytes);
+      const std::size_t size = part.Samples.GetSize();
+      const std::uint8_t* bytes = reader.ReadBytes(size);
+      if (!bytes)
+      {
+        return { StatusCode::RemoteFailure, "another rank has no memory to send its samples" };
+      }
+      std::memcpy(part.Samples.GetData(), bytes, size);
       reader.ReadAll(part.Hidden);
     }
   }
+  return Status::Ok();
 }
 
 //------------------------------------------------------------------------------

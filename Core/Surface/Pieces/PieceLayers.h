@@ -33,8 +33,8 @@ public:
   PieceLayers() = default;
 
   /// Collective. Cost: a box of each piece to all ranks, and the samples of the layers, a byte more
-  /// for each. `prepared`: whether this rank has `pieces`. Errors of any rank: that, and OutOfMemory, before
-  /// any samples are sent.
+  /// for each. `prepared`: whether this rank has `pieces`. Errors: that of any rank; OutOfMemory of any rank or of
+  /// this one; RemoteFailure if another rank had no memory to send samples. The caller has all ranks agree.
   static Result<PieceLayers> Collect(
     Communicator& ranks, const Status& prepared, const std::vector<LayeredPiece>& pieces);
 
@@ -55,7 +55,7 @@ public:
 
 private:
   /// Takes the samples of all parts from the messages of the ranks.
-  void Place(const std::vector<Message>& incoming);
+  Status Place(const std::vector<Message>& incoming);
 
   std::vector<std::vector<LayerBox>> Layers;
 };

@@ -220,7 +220,7 @@ TEST(VolumeInPlace, ALargeSurfaceFollowsACoarserOneSoonerThanThatOfACopyDoes)
     StoredField field;
     field.Ask(task, {});
     SerialCommunicator alone;
-    return Require(field.FindFirst(alone, 0)).IsDirect;
+    return Require(field.FindFirst(alone, {}, 0)).IsDirect;
   };
   EXPECT_TRUE(isDirect(inPlace, 0.9 * DirectSurfaceTrianglesInPlace));
   EXPECT_FALSE(isDirect(inPlace, 1.1 * DirectSurfaceTrianglesInPlace));

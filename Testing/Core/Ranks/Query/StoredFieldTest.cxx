@@ -32,7 +32,7 @@ Field::First FindFirst(
   const std::shared_ptr<BlockedVolume>& volume, const std::vector<double>& isovalues, int finest)
 {
   SerialCommunicator alone;
-  return Require(Ask(volume, isovalues)->FindFirst(alone, finest));
+  return Require(Ask(volume, isovalues)->FindFirst(alone, {}, finest));
 }
 
 /// A volume whose isosurface passes through one block alone.

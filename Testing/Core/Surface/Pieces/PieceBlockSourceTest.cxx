@@ -114,7 +114,7 @@ std::map<std::int64_t, Block> CollectBlocks(
         part.View.First = part.Memory.Samples.data();
         pieces.push_back(part.GetPiece());
       }
-      const auto source = PieceBlockSource::Make(ranks, volume.Geometry, pieces, selection, 2);
+      const auto source = PieceBlockSource::Make(ranks, { volume.Geometry, pieces, selection }, 2);
       const std::lock_guard<std::mutex> lock(mutex);
       ASSERT_TRUE(source.IsOk()) << source.GetStatus().GetMessage();
       EXPECT_EQ((*source)->GetFiniteRange().Minimum, MakeValueKey<std::int16_t>(1));
@@ -217,7 +217,7 @@ TEST(PieceBlockSource, AGapThatTheSurfaceCrossesIsAnError)
         selection.Isovalues = { 3 };
         selection.BlockSize = 16;
         outcomes[rank] =
-          PieceBlockSource::Make(ranks, volume.Geometry, { part.GetPiece() }, selection, 1)
+          PieceBlockSource::Make(ranks, { volume.Geometry, { part.GetPiece() }, selection }, 1)
             .GetStatus();
       });
     return outcomes;
@@ -240,7 +240,7 @@ TEST(PieceBlockSource, NoPiecesAreAnErrorOnAllRanks)
     [](Communicator& ranks)
     {
       const Volume volume({ 4, 4, 4 });
-      const auto source = PieceBlockSource::Make(ranks, volume.Geometry, {}, {}, 1);
+      const auto source = PieceBlockSource::Make(ranks, { volume.Geometry, {}, {} }, 1);
       EXPECT_EQ(source.GetStatus().GetCode(), StatusCode::InvalidArgument);
     });
 }
