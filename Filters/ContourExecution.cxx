@@ -316,22 +316,10 @@ Status ContourExecution::ChooseIslands(Communicator& ranks, const Status& extrac
   {
     return extracted;
   }
-  IslandGrids grids;
-  Status status = extracted;
-  if (status.IsOk())
-  {
-    status = Attempt(NoMemoryForIslands,
-      [&]
-      {
-        grids = makeGrids();
-        outcome.Islands.emplace();
-        return Status::Ok();
-      });
-  }
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
+  outcome.Islands.emplace();
   const Stopwatch stopwatch(outcome.IslandSeconds);
-  return isosurface::ChooseIslands(ranks, this->MakeIslandRequest(outcome.Cost.Level), grids,
-    this->ChooseThreads(), outcome.Extracted, *outcome.Islands);
+  return isosurface::ChooseIslands(ranks, extracted, this->MakeIslandRequest(outcome.Cost.Level),
+    makeGrids, this->ChooseThreads(), outcome.Extracted, *outcome.Islands);
 }
 
 /// Says so before the first rank extracts more than it has memory for. In the window, a question

@@ -11,8 +11,6 @@
 #include "RangedArray.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace isosurface
 {
@@ -29,16 +27,6 @@ void AddColumn(const char* name, const std::vector<Row>& rows, const Get& get, v
     column->InsertNextValue(static_cast<typename ArrayT::ValueType>(get(row)));
   }
   output->GetFieldData()->AddArray(column);
-}
-
-std::string GroupDigits(std::uint64_t number)
-{
-  std::string digits = std::to_string(number);
-  for (std::size_t end = digits.size(); end > 3; end -= 3)
-  {
-    digits.insert(end - 3, ",");
-  }
-  return digits;
 }
 
 } // namespace
@@ -136,31 +124,6 @@ void AddIslands(ChosenIslands& islands, bool ids, double seconds, vtkPolyData* o
     AdoptMemory(ofCells, islands.Ids.Release(), cells);
     output->GetCellData()->AddArray(ofCells);
   }
-}
-
-std::string SummariseIslands(const ChosenIslands* islands, const std::vector<double>& isovalues)
-{
-  std::string summary;
-  if (!islands)
-  {
-    return summary;
-  }
-  const std::vector<IsovalueIslands>& all = islands->OfIsovalues;
-  for (std::size_t n = 0; n < all.size(); ++n)
-  {
-    std::array<char, 64> text{};
-    if (all.size() > 1 && n < isovalues.size())
-    {
-      std::snprintf(text.data(), text.size(), "%s%g: ", n > 0 ? "; " : "", isovalues[n]);
-      summary += text.data();
-    }
-    const auto triangles = static_cast<double>(all[n].Triangles);
-    std::snprintf(text.data(), text.size(), "%.1f",
-      triangles > 0 ? 100 * static_cast<double>(all[n].KeptTriangles) / triangles : 100.0);
-    summary += GroupDigits(all[n].KeptIslands) + " of " + GroupDigits(all[n].Islands) +
-      " islands, " + text.data() + " % of the triangles";
-  }
-  return summary;
 }
 
 } // namespace isosurface

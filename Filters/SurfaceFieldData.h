@@ -58,10 +58,6 @@ void AddBlocks(const SurfaceBlocks& blocks, vtkPolyData* surface);
 /// and the ids of the cells, if there are any, whose memory the output takes.
 void AddIslands(ChosenIslands& islands, bool ids, double seconds, vtkPolyData* output);
 
-/// For people: "3 of 12,408 islands, 98.2 % of the triangles", of several isovalues one after another. Null:
-/// islands were not looked for.
-std::string SummariseIslands(const ChosenIslands* islands, const std::vector<double>& isovalues);
-
 } // namespace isosurface
 
 #endif

@@ -20,7 +20,6 @@
 #include "ErrorReport.h"
 #include "ImageSamples.h"
 #include "MatchVTK.h"
-#include "Ranks/Query/ContourIslands.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
 #include "SurfaceFieldData.h"
 #include "SurfacePolyData.h"
@@ -47,28 +46,25 @@ using Pipeline = vtkStreamingDemandDrivenPipeline;
 
 constexpr const char* NotDistributed = "the isosurface cannot be distributed";
 
-double GetSecondsSince(std::chrono::steady_clock::time_point begin)
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
 void AddCost(int rank, const SurfaceExchange& exchange, const Surface& surface, double querySeconds,
   vtkPolyData* output)
 {
   const SurfaceExchange::Cost& cost = exchange.GetCost();
-  isosurface::AddToFieldData(output, "Rank", rank);
-  isosurface::AddToFieldData(output, "ExtractedPoints", cost.EncodedPoints);
-  isosurface::AddToFieldData(output, "ReceivedPoints", cost.ReceivedPoints);
-  isosurface::AddToFieldData(output, "EncodedBytes", cost.EncodedBytes);
-  isosurface::AddToFieldData(output, "SentBytes", cost.SentBytes);
-  isosurface::AddToFieldData(output, "Rounds", cost.Rounds);
-  isosurface::AddToFieldData(output, "EncodeSeconds", cost.EncodeSeconds);
-  isosurface::AddToFieldData(output, "ChooseSeconds", cost.ChooseSeconds);
-  isosurface::AddToFieldData(output, "ExchangeSeconds", cost.ExchangeSeconds);
-  isosurface::AddToFieldData(output, "DecodeSeconds", cost.DecodeSeconds);
-  isosurface::AddToFieldData(output, "Triangles", surface.NumberOfTriangles);
-  isosurface::AddToFieldData(output, "RawBytes", isosurface::GetSurfaceBytes(surface));
-  isosurface::AddToFieldData(output, "QuerySeconds", querySeconds);
+  const auto add = [output](const char* name, auto value)
+  { isosurface::AddToFieldData(output, name, value); };
+  add("Rank", rank);
+  add("ExtractedPoints", cost.EncodedPoints);
+  add("ReceivedPoints", cost.ReceivedPoints);
+  add("EncodedBytes", cost.EncodedBytes);
+  add("SentBytes", cost.SentBytes);
+  add("Rounds", cost.Rounds);
+  add("EncodeSeconds", cost.EncodeSeconds);
+  add("ChooseSeconds", cost.ChooseSeconds);
+  add("ExchangeSeconds", cost.ExchangeSeconds);
+  add("DecodeSeconds", cost.DecodeSeconds);
+  add("Triangles", surface.NumberOfTriangles);
+  add("RawBytes", isosurface::GetSurfaceBytes(surface));
+  add("QuerySeconds", querySeconds);
   vtkLogF(1,
     "Distribute Isosurface: rank %d: %llu points encoded to %llu bytes, %llu bytes sent, %zu "
     "triangles; query %.4f s, encode %.4f s, choose %.4f s, exchange %.4f s, decode %.4f s",
@@ -144,7 +140,7 @@ struct vtkDistributeIsosurface::Steps
   Status Distribute(vtkInformation* outInfo, vtkPolyData* output) const;
   Status DistributeOnce(vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const;
   /// What the blocks of all ranks are encoded with. Collective.
-  Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks) const;
+  Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks, int threads) const;
   SurfaceExchange::Settings MakeSettings() const;
 };
 
@@ -205,22 +201,19 @@ int vtkDistributeIsosurface::RequestData(
 
 //------------------------------------------------------------------------------
 Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
-  const ContourBlocks& blocks) const
+  const ContourBlocks& blocks, int threads) const
 {
-  const auto describe = [&]
-  {
-    EdgeIndexHeader mine =
-      isosurface::DescribeContourBlocks(blocks, this->Filter.ArrayError, this->Filter.NormalError);
-    mine.Settings.Mode = this->Filter.Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
-      : this->Filter.Mode == BOUNDED                   ? isosurface::EdgeIndexMode::Bounded
+  isosurface::BlockCoding coding;
+  coding.Settings.Mode = this->Filter.Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
+    : this->Filter.Mode == BOUNDED                     ? isosurface::EdgeIndexMode::Bounded
                                                        : isosurface::EdgeIndexMode::Smallest;
-    mine.Settings.MaximumError = this->Filter.MaximumError;
-    mine.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
-    return mine;
-  };
+  coding.Settings.MaximumError = this->Filter.MaximumError;
+  coding.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
+  coding.ArrayError = this->Filter.ArrayError;
+  coding.NormalError = this->Filter.NormalError;
   isosurface::ContourRequest request;
   isosurface::MatchVTK(request);
-  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, request, describe);
+  return isosurface::MakeSurfaceHeader(this->Ranks, blocks, coding, request, threads, {});
 }
 
 //------------------------------------------------------------------------------
@@ -260,16 +253,16 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   {
     return Status::Ok();
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(EdgeIndexHeader header, this->MakeHeader(blocks));
   const SurfaceExchange::Settings settings = this->MakeSettings();
-  ISOSURFACE_RETURN_IF_ERROR(
-    isosurface::LeaveOutIslands(ranks, blocks, settings.Threads, {}, header));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const EdgeIndexHeader header, this->MakeHeader(blocks, settings.Threads));
   ISOSURFACE_ASSIGN_OR_RETURN(blocks.Arrays, isosurface::ShareArrays(ranks, blocks));
 
   const isosurface::ContourRequest request =
     MakeRequest(header, blocks, this->Contour->GetGenerateTriangles() == 0);
   SurfaceExchange exchange(ranks, header, request, settings);
-  const double querySeconds = GetSecondsSince(begin);
+  const double querySeconds =
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   ISOSURFACE_ASSIGN_OR_RETURN(
     Surface surface, exchange.Run(*blocks.Source, isosurface::MakeProgress(this->Filter)));
 

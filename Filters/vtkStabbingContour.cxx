@@ -332,9 +332,10 @@ int vtkStabbingContour::RequestData(
   status = ranks.Agree(status);
   this->Final = this->Work->SetShown(status.IsOk(), made);
   const double* isovalues = this->ContourValues->GetValues();
-  this->IslandSummary =
-    isosurface::SummariseIslands(status.IsOk() && made.Islands ? &*made.Islands : nullptr,
-      std::vector<double>(isovalues, isovalues + this->ContourValues->GetNumberOfContours()));
+  this->IslandSummary = !status.IsOk() || !made.Islands
+    ? ""
+    : isosurface::SummariseIslands(
+        *made.Islands, { isovalues, isovalues + this->ContourValues->GetNumberOfContours() });
   if (!status.IsOk())
   {
     polyData->Initialize();

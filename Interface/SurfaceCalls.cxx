@@ -324,20 +324,21 @@ si_result si_volume_write_surface(si_volume* volume, const si_surface_request* r
       {
         return { StatusCode::InvalidArgument, "si_coding: there is no such mode, or profile" };
       }
-      EdgeIndexHeader header;
-      header.Settings.Mode = static_cast<EdgeIndexMode>(given->mode);
-      header.Settings.MaximumError = orUsual(given->maximum_error, header.Settings.MaximumError);
-      header.Settings.Profile = static_cast<EdgeIndexProfile>(given->profile);
-      header.PreviewLevel = given->preview_level;
+      constexpr double usualNormalError = 0.005;
+      BlockCoding coded;
+      coded.Settings.Mode = static_cast<EdgeIndexMode>(given->mode);
+      coded.Settings.MaximumError = orUsual(given->maximum_error, coded.Settings.MaximumError);
+      coded.Settings.Profile = static_cast<EdgeIndexProfile>(given->profile);
+      coded.PreviewLevel = given->preview_level;
+      coded.ArrayError = given->array_error;
+      coded.NormalError =
+        given->normal_error < 0 ? 0 : orUsual(given->normal_error, usualNormalError);
       EdgeIndexWriteJob::Settings settings;
       settings.MemoryBytes = given->memory != 0 ? given->memory : settings.MemoryBytes;
       settings.Threads = call.ShareThreads();
       settings.Warn = [&call](const std::string& warning) { call.Warn(warning); };
-      constexpr double usualNormalError = 0.005;
-      return WriteSurface(*volume->File, taken.Samples, taken.Surfaces, ToText(path), header,
-        given->array_error,
-        given->normal_error < 0 ? 0 : orUsual(given->normal_error, usualNormalError), settings,
-        call.GetProgress());
+      return WriteSurface(*volume->File, taken.Samples, taken.Surfaces, ToText(path), coded,
+        settings, call.GetProgress());
     });
 }
 

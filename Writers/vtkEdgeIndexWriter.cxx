@@ -21,7 +21,6 @@
 #include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/PrintableText.h"
 #include "MatchVTK.h"
-#include "Ranks/Query/ContourIslands.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -129,7 +128,8 @@ struct vtkEdgeIndexWriter::Steps
   Status WriteStep(const std::optional<double>& time, const std::string& path);
   Status WriteOnce(
     const std::optional<double>& time, const std::string& path, ContourBlocks& blocks);
-  Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks);
+  Result<EdgeIndexHeader> MakeHeader(
+    const ContourBlocks& blocks, int threads, const isosurface::Progress& progress);
   isosurface::EdgeIndexWriteJob::Settings MakeSettings();
 };
 
@@ -243,28 +243,22 @@ Status vtkEdgeIndexWriter::Steps::WriteSurface()
 }
 
 //------------------------------------------------------------------------------
-Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(const ContourBlocks& blocks)
+Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(
+  const ContourBlocks& blocks, int threads, const isosurface::Progress& progress)
 {
   const vtkEdgeIndexWriter& writer = this->Writer;
-  const auto describe = [&]
-  {
-    EdgeIndexHeader header =
-      isosurface::DescribeContourBlocks(blocks, writer.ArrayError, writer.NormalError);
-    header.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(writer.Mode);
-    header.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(writer.Profile);
-    header.Settings.MaximumError = writer.MaximumError;
-    header.Settings.QuantizationBits = writer.QuantizationBits;
-    SetQuantizationRange(blocks, header.Settings);
-    for (header.PreviewLevel = writer.PreviewLevel;
-         header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize;)
-    {
-      --header.PreviewLevel;
-    }
-    return header;
-  };
+  isosurface::BlockCoding coding;
+  coding.Settings.Mode = static_cast<isosurface::EdgeIndexMode>(writer.Mode);
+  coding.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(writer.Profile);
+  coding.Settings.MaximumError = writer.MaximumError;
+  coding.Settings.QuantizationBits = writer.QuantizationBits;
+  SetQuantizationRange(blocks, coding.Settings);
+  coding.PreviewLevel = writer.PreviewLevel;
+  coding.ArrayError = writer.ArrayError;
+  coding.NormalError = writer.NormalError;
   isosurface::ContourRequest request;
   isosurface::MatchVTK(request);
-  return isosurface::ShareHeader(this->Ranks, blocks.HasSamples, request, describe);
+  return isosurface::MakeSurfaceHeader(this->Ranks, blocks, coding, request, threads, progress);
 }
 
 //------------------------------------------------------------------------------
@@ -307,12 +301,12 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
     this->Contour, this->Ranks.GetRank(), this->Ranks.GetSize(), time, blocks));
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
     blocks.Volume ? isosurface::CheckIsOther(path, blocks.Volume->GetPath()) : Status::Ok()));
-  ISOSURFACE_ASSIGN_OR_RETURN(EdgeIndexHeader header, this->MakeHeader(blocks));
   const isosurface::EdgeIndexWriteJob::Settings settings = this->MakeSettings();
   const double middle =
     this->FirstShare + (blocks.Islands ? 0.3 : 0) * (this->LastShare - this->FirstShare);
-  ISOSURFACE_RETURN_IF_ERROR(isosurface::LeaveOutIslands(this->Ranks, blocks, settings.Threads,
-    isosurface::MakeProgress(this->Writer, this->FirstShare, middle), header));
+  ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexHeader header,
+    this->MakeHeader(
+      blocks, settings.Threads, isosurface::MakeProgress(this->Writer, this->FirstShare, middle)));
   isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, header,
     *blocks.Source, blocks.Numbers, settings);
   const auto written = job.Run(isosurface::MakeProgress(this->Writer, middle, this->LastShare));

@@ -2,8 +2,6 @@
 #include "Formats/Files/SurfaceQueries.h"
 
 #include "Ground/Base/OutputCheck.h"
-#include "Ranks/Query/ContourBlocks.h"
-#include "Ranks/Query/ContourIslands.h"
 #include "Ranks/Query/StoredField.h"
 #include "Ranks/Sharing/QueryPlan.h"
 #include "Ranks/Sharing/StoreRecovery.h"
@@ -62,20 +60,6 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   searched.Query.Selection.ClosedSides = request.ClosedSides;
   searched.Query.Selection.Region = request.Where;
   return searched;
-}
-
-Status KeepIslands(Communicator& ranks, const ExtractionTask& task, int level,
-  IslandRequest islands, Surface& surface, ChosenIslands& chosen)
-{
-  islands.Level = level;
-  IslandGrids grids;
-  const auto make = [&]
-  {
-    grids = MakeIslandGrids(task, level, ranks);
-    return Status::Ok();
-  };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForIslands, make));
-  return ChooseIslands(ranks, islands, grids, task.Threads, surface, chosen);
 }
 
 SerialCommunicator& GetAlone()
@@ -160,14 +144,21 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
     field.Ask(task, request.Budget);
     return field.Extract(ranks, samples.Level, outcome);
   };
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(RunWithReplicas(
-    ranks, [&] { return task.Volume.get(); }, warning, extract)));
+  const Status extracted = RunWithReplicas(
+    ranks, [&] { return task.Volume.get(); }, warning, extract);
   const int found = outcome.Cost.Level;
   if (request.Islands)
   {
+    IslandRequest wanted = *request.Islands;
+    wanted.Level = found;
     ChosenIslands unused;
-    ISOSURFACE_RETURN_IF_ERROR(KeepIslands(
-      ranks, task, found, *request.Islands, outcome.Extracted, islands ? *islands : unused));
+    ISOSURFACE_RETURN_IF_ERROR(ChooseIslands(
+      ranks, extracted, wanted, [&] { return MakeIslandGrids(task, found, ranks); }, task.Threads,
+      outcome.Extracted, islands ? *islands : unused));
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(extracted));
   }
   if (level)
   {
@@ -201,9 +192,8 @@ Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const Contoure
 }
 
 Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const std::string& path, const EdgeIndexHeader& coding,
-  double arrayError, double normalError, const EdgeIndexWriteJob::Settings& settings,
-  const Progress& progress)
+  const SurfaceRequest& request, const std::string& path, const BlockCoding& coding,
+  const EdgeIndexWriteJob::Settings& settings, const Progress& progress)
 {
   Communicator& ranks = request.Ranks ? *request.Ranks : GetAlone();
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(CheckIsWritable(request)));
@@ -234,23 +224,11 @@ Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, file.GetPath(), collect));
   ContourRequest normals;
   MatchVtk(request.VtkVersion, normals);
-  ISOSURFACE_ASSIGN_OR_RETURN(auto header,
-    ShareHeader(ranks, true, normals,
-      [&]
-      {
-        EdgeIndexHeader made = DescribeContourBlocks(blocks, arrayError, normalError);
-        made.Settings = coding.Settings;
-        made.PreviewLevel = coding.PreviewLevel;
-        while (made.PreviewLevel > 0 && (1 << made.PreviewLevel) > blocks.BlockSize)
-        {
-          --made.PreviewLevel;
-        }
-        return made;
-      }));
   constexpr double islandsEnd = 0.3;
   const double middle = blocks.Islands ? islandsEnd : 0;
-  ISOSURFACE_RETURN_IF_ERROR(LeaveOutIslands(
-    ranks, blocks, settings.Threads, MakePartOfProgress(progress, 0, middle), header));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto header,
+    MakeSurfaceHeader(
+      ranks, blocks, coding, normals, settings.Threads, MakePartOfProgress(progress, 0, middle)));
   EdgeIndexWriteJob job(
     ranks, GetLocalFileSystem(), path, header, *blocks.Source, blocks.Numbers, settings);
   return job.Run(MakePartOfProgress(progress, middle, 1)).GetStatus();

@@ -8,6 +8,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Volume/Region.h"
 #include "Ranks/Islands/IslandChoice.h"
+#include "Ranks/Query/ContourBlocks.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Surface/Contour/Surface.h"
@@ -62,13 +63,11 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   const SurfaceRequest& request, const Progress& progress, std::string& warning,
   int* level = nullptr, ChosenIslands* islands = nullptr);
 
-/// Writes them as an edge-index file. Of the header, settings, preview and errors of arrays count
-/// (`arrayError`, `normalError`). Collective with ranks. Errors: CollectVolumeBlocks, LeaveOutIslands,
+/// Writes them as an edge-index file. Collective with ranks. Errors: CollectVolumeBlocks, MakeSurfaceHeader,
 /// EdgeIndexWriteJob; InvalidArgument if the file is the volume.
 Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const std::string& path, const EdgeIndexHeader& coding,
-  double arrayError, double normalError, const EdgeIndexWriteJob::Settings& settings,
-  const Progress& progress);
+  const SurfaceRequest& request, const std::string& path, const BlockCoding& coding,
+  const EdgeIndexWriteJob::Settings& settings, const Progress& progress);
 
 /// The vertices of each block that the isosurfaces cross. Cost and errors: PlanQuery; GetBlocks.
 Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const ContouredSamples& samples,

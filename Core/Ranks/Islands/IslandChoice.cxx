@@ -397,12 +397,58 @@ private:
   std::vector<std::uint64_t> Counts; ///< islands and triangles of each bin
 };
 
+std::string GroupDigits(std::uint64_t number)
+{
+  std::string digits = std::to_string(number);
+  for (std::size_t end = digits.size(); end > 3; end -= 3)
+  {
+    digits.insert(end - 3, ",");
+  }
+  return digits;
+}
+
 } // namespace
 
 Status ChooseIslands(Communicator& ranks, const IslandRequest& request, const IslandGrids& grids,
   int threads, Surface& surface, ChosenIslands& chosen)
 {
   return IslandChoice(ranks, request, grids, threads, surface, chosen).Run();
+}
+
+Status ChooseIslands(Communicator& ranks, const Status& extracted, const IslandRequest& request,
+  const std::function<IslandGrids()>& makeGrids, int threads, Surface& surface,
+  ChosenIslands& chosen)
+{
+  IslandGrids grids;
+  const auto make = [&]() -> Status
+  {
+    ISOSURFACE_RETURN_IF_ERROR(extracted);
+    grids = makeGrids();
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForIslands, make));
+  return ChooseIslands(ranks, request, grids, threads, surface, chosen);
+}
+
+std::string SummariseIslands(const ChosenIslands& islands, const std::vector<double>& isovalues)
+{
+  std::string summary;
+  const std::vector<IsovalueIslands>& all = islands.OfIsovalues;
+  for (std::size_t n = 0; n < all.size(); ++n)
+  {
+    std::array<char, 64> text{};
+    if (all.size() > 1 && n < isovalues.size())
+    {
+      std::snprintf(text.data(), text.size(), "%s%g: ", n > 0 ? "; " : "", isovalues[n]);
+      summary += text.data();
+    }
+    const auto triangles = static_cast<double>(all[n].Triangles);
+    std::snprintf(text.data(), text.size(), "%.1f",
+      triangles > 0 ? 100 * static_cast<double>(all[n].KeptTriangles) / triangles : 100.0);
+    summary += GroupDigits(all[n].KeptIslands) + " of " + GroupDigits(all[n].Islands) +
+      " islands, " + text.data() + " % of the triangles";
+  }
+  return summary;
 }
 
 } // namespace isosurface

@@ -12,7 +12,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace isosurface
@@ -103,6 +105,15 @@ struct ChosenIslands
  */
 Status ChooseIslands(Communicator& ranks, const IslandRequest& request, const IslandGrids& grids,
   int threads, Surface& surface, ChosenIslands& chosen);
+
+/// The same of a surface that was just extracted: all ranks agree on `extracted`, the status of this rank, and
+/// on whether `makeGrids` had the memory for the grids.
+Status ChooseIslands(Communicator& ranks, const Status& extracted, const IslandRequest& request,
+  const std::function<IslandGrids()>& makeGrids, int threads, Surface& surface,
+  ChosenIslands& chosen);
+
+/// For people: "3 of 12,408 islands, 98.2 % of the triangles", of several isovalues one after another.
+std::string SummariseIslands(const ChosenIslands& islands, const std::vector<double>& isovalues);
 
 } // namespace isosurface
 

@@ -3,6 +3,7 @@
 
 #include "Ground/Base/Coding.h"
 #include "Ground/Volume/ChosenScalars.h"
+#include "Ranks/Query/ContourIslands.h"
 #include "Ranks/Query/LevelChoice.h"
 #include "Ranks/Query/MemoryContour.h"
 #include "Ranks/Sharing/QueryPlan.h"
@@ -128,6 +129,35 @@ std::vector<InterpolatedArray> ReadArrays(const Message& message)
   return arrays;
 }
 
+EdgeIndexHeader DescribeBlocks(const ContourBlocks& blocks, const BlockCoding& coding)
+{
+  EdgeIndexHeader header;
+  header.Geometry = blocks.Grid;
+  header.Type = blocks.Source->GetValueType();
+  header.Isovalues = blocks.Isovalues;
+  header.ClosedSides = blocks.ClosedSides;
+  header.Array = blocks.ArrayName;
+  header.Source = blocks.Origin;
+  header.Time = blocks.Time;
+  for (const InterpolatedArray& array : blocks.Arrays)
+  {
+    header.Attributes.push_back({ array.Name, GetInterpolatedType(array.Layout.Type),
+      array.Layout.NumberOfComponents, coding.ArrayError, false });
+  }
+  if (blocks.Normals)
+  {
+    header.Attributes.push_back({ "Normals", ValueType::Float32, 3, coding.NormalError, true });
+  }
+  header.Settings = coding.Settings;
+  header.PreviewLevel = coding.PreviewLevel;
+  while (header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize)
+  {
+    --header.PreviewLevel;
+  }
+  header.TakeLosslessIfBoundIsTooFine();
+  return header;
+}
+
 } // namespace
 
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
@@ -175,8 +205,8 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
   kept->Query = std::move(query);
   const MemoryGrids& samples = kept->Query.Samples;
   const int threads = kept->Query.Threads;
-  PieceBlockSelection selection;
-  std::vector<GridPiece> pieces;
+  PieceBlockInput input;
+  PieceBlockSelection& selection = input.Selection;
   const auto find = [&]() -> Status
   {
     ISOSURFACE_RETURN_IF_ERROR(CheckVisible(samples.Pieces));
@@ -188,7 +218,7 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
     for (const MemoryPiece& piece : samples.Pieces)
     {
       kept->Scalars.emplace_back(piece.Components, kept->Query.Component, threads);
-      pieces.push_back({ kept->Scalars.back().GetView(piece.Components), piece.Attributes });
+      input.Pieces.push_back({ kept->Scalars.back().GetView(piece.Components), piece.Attributes });
     }
     return Status::Ok();
   };
@@ -196,8 +226,9 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
   // Larger blocks have fewer shared faces; but a region takes blocks whole, those of the filter.
   selection.BlockSize = selection.Region.IsEverything() ? 64 : BlockRanges::BlockSize;
   selection.WithLayer = blocks.Normals;
-  blocks.Grid = samples.Grids.front();
-  auto source = PieceBlockSource::Make(ranks, blocks.Grid, std::move(pieces), selection, threads);
+  input.Grid = blocks.Grid = samples.Grids.front();
+  const int blockSize = selection.BlockSize;
+  auto source = PieceBlockSource::Make(ranks, std::move(input), threads);
   if (!source.IsOk())
   {
     return Explain(source.GetStatus());
@@ -208,7 +239,7 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
     blocks.FiniteRange = (*source)->GetFiniteRange();
     blocks.Source = std::move(*source);
     blocks.HasSamples = !kept->Scalars.empty();
-    blocks.BlockSize = selection.BlockSize;
+    blocks.BlockSize = blockSize;
     blocks.Origin = "image data";
     blocks.Owner = std::move(kept);
     return Status::Ok();
@@ -216,47 +247,21 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
   return AttemptOnAll(ranks, NotCollected, tell);
 }
 
-EdgeIndexHeader DescribeContourBlocks(
-  const ContourBlocks& blocks, double arrayError, double normalError)
+Result<EdgeIndexHeader> MakeSurfaceHeader(Communicator& ranks, const ContourBlocks& blocks,
+  const BlockCoding& coding, const ContourRequest& request, int threads, const Progress& progress)
 {
   EdgeIndexHeader header;
-  header.Geometry = blocks.Grid;
-  header.Type = blocks.Source->GetValueType();
-  header.Isovalues = blocks.Isovalues;
-  header.ClosedSides = blocks.ClosedSides;
-  header.Array = blocks.ArrayName;
-  header.Source = blocks.Origin;
-  header.Time = blocks.Time;
-  for (const InterpolatedArray& array : blocks.Arrays)
+  const auto pack = [&](Message& mine) -> Status
   {
-    header.Attributes.push_back({ array.Name, GetInterpolatedType(array.Layout.Type),
-      array.Layout.NumberOfComponents, arrayError, false });
-  }
-  if (blocks.Normals)
-  {
-    header.Attributes.push_back({ "Normals", ValueType::Float32, 3, normalError, true });
-  }
-  return header;
-}
-
-Result<EdgeIndexHeader> ShareHeader(Communicator& ranks, bool hasSamples,
-  const ContourRequest& request, const std::function<EdgeIndexHeader()>& describe)
-{
-  EdgeIndexHeader header;
-  Message mine;
-  const auto pack = [&]() -> Status
-  {
-    header = describe();
-    header.TakeLosslessIfBoundIsTooFine();
+    header = DescribeBlocks(blocks, coding);
     ISOSURFACE_RETURN_IF_ERROR(header.Check());
-    if (hasSamples)
+    if (blocks.HasSamples)
     {
       header.Append(mine);
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, pack));
-  const std::vector<Message> messages = ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto messages, GatherFromAll(ranks, NotDescribed, pack));
   const auto take = [&]() -> Status
   {
     const auto first = std::find_if(
@@ -276,19 +281,18 @@ Result<EdgeIndexHeader> ShareHeader(Communicator& ranks, bool hasSamples,
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, take));
+  ISOSURFACE_RETURN_IF_ERROR(LeaveOutIslands(ranks, blocks, threads, progress, header));
   return header;
 }
 
 Result<std::vector<InterpolatedArray>> ShareArrays(Communicator& ranks, const ContourBlocks& blocks)
 {
-  Message mine;
-  const auto pack = [&]
+  const auto pack = [&](Message& mine)
   {
     mine = blocks.HasSamples ? PackArrays(blocks.Arrays) : Message();
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, pack));
-  const std::vector<Message> messages = ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto messages, GatherFromAll(ranks, NotDescribed, pack));
   std::vector<InterpolatedArray> arrays;
   const auto take = [&]
   {

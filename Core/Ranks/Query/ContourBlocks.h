@@ -4,6 +4,7 @@
 
 #include "Coding/EdgeIndex/EdgeIndexHeader.h"
 #include "Ground/Base/Communicator.h"
+#include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
 #include "Ground/Volume/GridGeometry.h"
@@ -14,7 +15,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -72,15 +72,21 @@ Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const S
 /// Collective.
 Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks& blocks);
 
-/// What an edge-index stream of these blocks says of them; its settings are left as they are. The errors are
-/// the maximum ones of a value of the arrays, and of a component of the normals.
-EdgeIndexHeader DescribeContourBlocks(
-  const ContourBlocks& blocks, double arrayError, double normalError);
+/// How blocks are encoded.
+struct BlockCoding
+{
+  EdgeIndexSettings Settings;
+  int PreviewLevel = 0;   ///< at most that of the blocks
+  double ArrayError = 0;  ///< the maximum error of a value of an array
+  double NormalError = 0; ///< and of a component of a normal
+};
 
-/// What `describe` gives on the first rank that has samples, which others do not know all of. Normals
-/// are those of `request`. Collective. Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory.
-Result<EdgeIndexHeader> ShareHeader(Communicator& ranks, bool hasSamples,
-  const ContourRequest& request, const std::function<EdgeIndexHeader()>& describe);
+/// What an edge-index stream says of the blocks of all ranks: what the first rank that has samples knows of them,
+/// and with `blocks.Islands` the islands that it leaves out (LeaveOutIslands). Normals are those of `request`.
+/// Collective. Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory, those of
+/// LeaveOutIslands.
+Result<EdgeIndexHeader> MakeSurfaceHeader(Communicator& ranks, const ContourBlocks& blocks,
+  const BlockCoding& coding, const ContourRequest& request, int threads, const Progress& progress);
 
 /// The interpolated arrays, which ranks without samples do not know. Collective. Error of any rank:
 /// OutOfMemory.

@@ -29,22 +29,26 @@ Status ChoosePoints(Communicator& ranks, const IslandRequest& islands,
 {
   const ContourRequest request = MakeContourRequest(header);
   Surface surface;
-  IslandGrids grids;
   const auto extract = [&]() -> Status
   {
     ISOSURFACE_ASSIGN_OR_RETURN(
       surface, ExtractSurface(header.Geometry, source, request, threads, progress));
+    return Status::Ok();
+  };
+  const auto makeGrids = [&]
+  {
+    IslandGrids grids;
     grids.Bounds = TriangleBounds::Of(header.Geometry, nullptr);
     grids.Shared.emplace_back(header.Geometry, request);
     if (ranks.GetSize() > 1)
     {
       grids.Shared.back().AddFacesOfBlocks(blockSize);
     }
-    return Status::Ok();
+    return grids;
   };
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NoMemoryForIslands, extract));
   ChosenIslands chosen;
-  ISOSURFACE_RETURN_IF_ERROR(ChooseIslands(ranks, islands, grids, threads, surface, chosen));
+  ISOSURFACE_RETURN_IF_ERROR(ChooseIslands(
+    ranks, Attempt(NoMemoryForIslands, extract), islands, makeGrids, threads, surface, chosen));
   points.LacksIslands = chosen.KeptIslands < chosen.Islands;
   const auto keep = [&]
   {
