@@ -22,11 +22,8 @@
 #include "vtkSmartPointer.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Ground/Base/Coding.h"
 #include "Ground/Base/Fingerprint.h"
-#include "Ground/Volume/GridUnion.h"
 #include "ImageSamples.h"
-#include "Surface/Pieces/PieceFields.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -41,17 +38,14 @@ namespace
 {
 
 using BlockPath = std::vector<std::int64_t>;
+using ArrayFinder = std::function<Result<vtkDataArray*>(vtkImageData*)>;
 
+/// An image of the input, or one that stands for a rectilinear grid of these lines.
 struct Leaf
 {
-  vtkImageData* Image;
-  vtkSmartPointer<vtkImageData> Owner; ///< if the image stands for a rectilinear grid
-  vtkDataArray* Array;
-  GridGeometry
-    Grid; ///< with the extent of this leaf alone, or of what it is declared to be a part of
+  ImagePieces::Source Source;
   std::optional<GridLines> Lines;
   BlockPath Block;
-  bool IsDeclared = false; ///< whether it is declared to be a part of that
 };
 
 /// Calls visit(data, path) for the leaves of a tree of datasets, until it returns an error. The
@@ -146,14 +140,14 @@ Result<std::vector<Leaf>> FindImages(vtkDataObject* input)
     {
       return Status::Ok();
     }
-    Leaf leaf{ image, nullptr, nullptr, {}, {}, block };
+    Leaf leaf{ { image, nullptr, 0 }, {}, block };
     if (lined)
     {
-      leaf.Owner = MakeStructuredImage(lined);
-      leaf.Image = leaf.Owner;
+      leaf.Source.Owner = MakeStructuredImage(lined);
+      leaf.Source.Image = image = leaf.Source.Owner;
       leaf.Lines = MakeGridLines(lined);
       ISOSURFACE_RETURN_IF_ERROR(
-        leaf.Lines->Check(MakeGridGeometry(leaf.Image, leaf.Image->GetExtent()).GetDimensions()));
+        leaf.Lines->Check(MakeGridGeometry(image, image->GetExtent()).GetDimensions()));
     }
     images.push_back(std::move(leaf));
     return Status::Ok();
@@ -163,198 +157,60 @@ Result<std::vector<Leaf>> FindImages(vtkDataObject* input)
   return images;
 }
 
-Status CollectLeaves(vtkDataObject* input, vtkInformation* inputInfo,
-  const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray, std::vector<Leaf>& leaves,
-  std::size_t& numberOfImages)
+Result<MemoryPiece> MakePiece(
+  const GridGeometry& grid, const ImagePieces::Source& source, vtkDataArray* array)
 {
-  ISOSURFACE_ASSIGN_OR_RETURN(std::vector<Leaf> images, FindImages(input));
-  numberOfImages = images.size();
-  for (Leaf& leaf : images)
+  ISOSURFACE_ASSIGN_OR_RETURN(auto samples, MakeImageSamples(grid, source.Image, array));
+  Fingerprint identity;
+  identity.AddNumber(reinterpret_cast<std::uintptr_t>(samples.Array.Get()));
+  identity.AddNumber(std::max(source.Time, samples.Array->GetMTime()));
+  return MemoryPiece{ 0, std::move(samples.Components), samples.Hidden, {}, identity.Get(),
+    std::make_shared<vtkSmartPointer<vtkDataArray>>(samples.Array) };
+}
+
+/// An image whose array is to be contoured. `isInput`: whether it is the input itself.
+MemoryImage DescribeLeaf(
+  const Leaf& leaf, vtkDataArray* array, bool isInput, vtkInformation* inputInfo)
+{
+  vtkImageData* image = leaf.Source.Image;
+  int extent[6];
+  image->GetExtent(extent);
+  int whole[6];
+  bool hasWhole = FindWholeExtent(image, whole);
+  if (isInput && inputInfo->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
-    vtkImageData* image = leaf.Image;
+    inputInfo->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
+    hasWhole = true;
+  }
+  // What lines there are beyond the pieces is not known.
+  for (int axis = 0; hasWhole && !leaf.Lines && axis < 3; ++axis)
+  {
+    extent[2 * axis] = std::min(extent[2 * axis], whole[2 * axis]);
+    extent[2 * axis + 1] = std::max(extent[2 * axis + 1], whole[2 * axis + 1]);
+  }
+  return { MakeGridGeometry(image, extent), leaf.Lines, hasWhole, leaf.Block,
+    [source = leaf.Source, array](const GridGeometry& grid)
+    { return MakePiece(grid, source, array); } };
+}
+
+Result<MemoryImages> DescribeImages(vtkDataObject* input, vtkInformation* inputInfo,
+  const ArrayFinder& findArray, std::vector<ImagePieces::Source>& sources)
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(std::vector<Leaf> leaves, FindImages(input));
+  MemoryImages images;
+  images.AreThere = !leaves.empty();
+  for (Leaf& leaf : leaves)
+  {
+    vtkImageData* image = leaf.Source.Image;
     ISOSURFACE_ASSIGN_OR_RETURN(vtkDataArray * array, findArray(image));
-    if (!array)
+    if (array)
     {
-      continue;
-    }
-    int extent[6];
-    image->GetExtent(extent);
-    int whole[6];
-    bool hasWhole = FindWholeExtent(image, whole);
-    if (image == input && inputInfo->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-    {
-      inputInfo->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
-      hasWhole = true;
-    }
-    // What lines there are beyond the pieces is not known.
-    if (hasWhole && !leaf.Lines)
-    {
-      for (int axis = 0; axis < 3; ++axis)
-      {
-        extent[2 * axis] = std::min(extent[2 * axis], whole[2 * axis]);
-        extent[2 * axis + 1] = std::max(extent[2 * axis + 1], whole[2 * axis + 1]);
-      }
-    }
-    leaf.IsDeclared = hasWhole;
-    leaf.Array = array;
-    leaf.Grid = MakeGridGeometry(image, extent);
-    leaves.push_back(std::move(leaf));
-  }
-  return Status::Ok();
-}
-
-// The grids of leaves.
-void FindLeafGrids(
-  const std::vector<Leaf>& leaves, std::vector<GridGeometry>& images, std::vector<LinedGrid>& lined)
-{
-  for (const Leaf& leaf : leaves)
-  {
-    if (leaf.Lines)
-    {
-      lined.push_back({ leaf.Grid, *leaf.Lines });
-    }
-    else
-    {
-      images.push_back(leaf.Grid);
+      leaf.Source.Time = FindImageTime(inputInfo, image);
+      images.Images.push_back(DescribeLeaf(leaf, array, image == input, inputInfo));
+      sources.push_back(leaf.Source);
     }
   }
-}
-
-// What each rank tells of its leaves: whether it has images, and the grids of the leaves.
-Message DescribeLeaves(const std::vector<Leaf>& leaves, std::size_t numberOfImages)
-{
-  std::vector<GridGeometry> grids;
-  std::vector<LinedGrid> lined;
-  FindLeafGrids(leaves, grids, lined);
-  const Message images = PackGrids(grids);
-  Message message;
-  AppendVarint(message, numberOfImages > 0 ? 1 : 0);
-  AppendVarint(message, images.size());
-  message.insert(message.end(), images.begin(), images.end());
-  const Message others = PackLinedGrids(lined);
-  message.insert(message.end(), others.begin(), others.end());
-  return message;
-}
-
-// The samples of leaves, in the grids of all ranks: images first; one piece a leaf. `told`: what the ranks
-// tell of their leaves, of which those of rank `own` are given.
-Status AddPieces(vtkInformation* inputInfo, const std::vector<Leaf>& leaves,
-  const std::vector<Message>& told, std::size_t own, ImagePieces& pieces)
-{
-  bool areImages = false;
-  std::vector<Message> ofImages;
-  std::vector<Message> ofLined;
-  for (const Message& message : told)
-  {
-    ByteReader reader(message);
-    areImages = reader.ReadVarint() > 0 || areImages;
-    const auto size = static_cast<std::size_t>(reader.ReadVarint());
-    const auto begin = message.end() - static_cast<std::ptrdiff_t>(reader.GetRemaining());
-    const auto end = begin + static_cast<std::ptrdiff_t>(size);
-    ofImages.emplace_back(begin, end);
-    ofLined.emplace_back(end, message.end());
-  }
-  pieces.Grids = UniteGrids(ofImages);
-  const std::size_t images = pieces.Grids.size();
-  std::vector<std::size_t> linedNumbers;
-  pieces.Lines.resize(images);
-  for (LinedGrid& grid : UniteLinedGrids(ofLined, own, linedNumbers))
-  {
-    pieces.Grids.push_back(grid.Grid);
-    pieces.Lines.emplace_back(std::move(grid.Lines));
-  }
-  if (areImages && pieces.Grids.empty())
-  {
-    return { StatusCode::NotFound, "the input has no such point array" };
-  }
-  std::size_t next = 0;
-  for (const Leaf& leaf : leaves)
-  {
-    const std::size_t grid =
-      leaf.Lines ? images + linedNumbers[next++] : FindGrid(pieces.Grids, leaf.Grid);
-    ISOSURFACE_ASSIGN_OR_RETURN(
-      auto samples, MakeImageSamples(pieces.Grids[grid], leaf.Image, leaf.Array));
-    const vtkMTimeType time = FindImageTime(inputInfo, leaf.Image);
-    Fingerprint identity;
-    identity.AddNumber(reinterpret_cast<std::uintptr_t>(samples.Array.Get()));
-    identity.AddNumber(std::max(time, samples.Array->GetMTime()));
-    pieces.Sources.push_back({ leaf.Image, leaf.Owner, time });
-    pieces.Pieces.push_back({ grid, std::move(samples.Components), samples.Hidden, {},
-      identity.Get(), std::make_shared<vtkSmartPointer<vtkDataArray>>(samples.Array) });
-  }
-  return Status::Ok();
-}
-
-std::vector<FieldPiece> DescribeFieldPieces(
-  const std::vector<Leaf>& leaves, const ImagePieces& pieces)
-{
-  std::vector<FieldPiece> described;
-  for (std::size_t number = 0; number < leaves.size(); ++number)
-  {
-    const MemoryPiece& piece = pieces.Pieces[number];
-    int extent[6];
-    std::copy_n(leaves[number].Grid.Extent.begin(), 6, extent);
-    described.push_back({ piece.Grid, piece.Components, leaves[number].Block,
-      MakeVertexBox(pieces.Grids[piece.Grid], extent), leaves[number].IsDeclared,
-      !piece.Hidden.IsEmpty() });
-  }
-  return described;
-}
-
-// The samples of a box of a piece, in a grid that begins at a vertex of theirs.
-MemoryPiece MovePiece(MemoryPiece piece, const VertexBox& box, const Index3& first)
-{
-  const Index3 offset = { -first[0], -first[1], -first[2] };
-  for (SampleView& view : piece.Components)
-  {
-    view.Available = view.Available.Translate(offset);
-    view.Box = box.Translate(offset);
-  }
-  piece.Hidden.Box = piece.Hidden.Box.Translate(offset);
-  return piece;
-}
-
-// Gives each field a grid of its own.
-ImagePieces SortByFields(vtkDataObject* input, const ImagePieces& united, const PieceFields& fields)
-{
-  std::vector<BlockPath> blocks;
-  for (const GridField& field : fields.Fields)
-  {
-    blocks.push_back(field.Block);
-  }
-  std::sort(blocks.begin(), blocks.end());
-  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-  ImagePieces sorted;
-  for (const BlockPath& block : blocks)
-  {
-    sorted.BlockNames.push_back(FindBlockName(input, block));
-  }
-  for (const GridField& field : fields.Fields)
-  {
-    GridGeometry grid = united.Grids[field.Grid];
-    for (std::size_t axis = 0; axis < 3; ++axis)
-    {
-      const std::int64_t first = grid.Extent[2 * axis];
-      grid.Extent[2 * axis] = first + field.Box.Low[axis];
-      grid.Extent[2 * axis + 1] = first + field.Box.High[axis] - 1;
-    }
-    sorted.Grids.push_back(grid);
-    const std::optional<GridLines>& lines = united.Lines[field.Grid];
-    sorted.Lines.push_back(lines ? std::make_optional(lines->Cut(field.Box)) : std::nullopt);
-    sorted.Blocks.push_back(static_cast<std::size_t>(
-      std::lower_bound(blocks.begin(), blocks.end(), field.Block) - blocks.begin()));
-  }
-  for (std::size_t number = 0; number < united.Pieces.size(); ++number)
-  {
-    for (const VertexBox& box : fields.Boxes[number])
-    {
-      const std::size_t field = fields.Numbers[number];
-      sorted.Pieces.push_back(MovePiece(united.Pieces[number], box, fields.Fields[field].Box.Low));
-      sorted.Pieces.back().Grid = field;
-      sorted.Sources.push_back(united.Sources[number]);
-    }
-  }
-  return sorted;
+  return images;
 }
 
 // Gives a piece the arrays of these names to interpolate.
@@ -426,33 +282,22 @@ vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
 }
 
 Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
-  vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray,
-  int threads)
+  vtkInformation* inputInfo, const ArrayFinder& findArray, int threads)
 {
-  std::vector<Leaf> leaves;
-  const std::string context = "the images of the input cannot be prepared";
-  const auto collect = [&](Message& mine) -> Status
-  {
-    std::size_t numberOfImages = 0;
-    ISOSURFACE_RETURN_IF_ERROR(CollectLeaves(input, inputInfo, findArray, leaves, numberOfImages));
-    mine = DescribeLeaves(leaves, numberOfImages);
-    return Status::Ok();
-  };
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto told, GatherFromAll(ranks, context, collect));
   ImagePieces pieces;
-  const auto describe = [&]() -> Result<std::vector<FieldPiece>>
+  ISOSURFACE_ASSIGN_OR_RETURN(auto collected,
+    CollectedGrids::Collect(
+      ranks, [&] { return DescribeImages(input, inputInfo, findArray, pieces.Sources); }, threads));
+  const auto name = [&]
   {
-    ISOSURFACE_RETURN_IF_ERROR(
-      AddPieces(inputInfo, leaves, told, static_cast<std::size_t>(ranks.GetRank()), pieces));
-    return DescribeFieldPieces(leaves, pieces);
-  };
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto fields, PieceFields::Find(ranks, describe, threads));
-  const auto sort = [&]
-  {
-    pieces = SortByFields(input, pieces, fields);
+    static_cast<CollectedGrids&>(pieces) = std::move(collected);
+    for (const BlockPath& path : pieces.Paths)
+    {
+      pieces.BlockNames.push_back(FindBlockName(input, path));
+    }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(Attempt(context, sort));
+  ISOSURFACE_RETURN_IF_ERROR(Attempt("the images of the input cannot be prepared", name));
   return pieces;
 }
 
@@ -463,7 +308,8 @@ Result<std::vector<InterpolatedArray>> AddAttributes(
   for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(auto arrays,
-      AddAttributesTo(pieces.Pieces[number], pieces.Sources[number], names, averages, threads));
+      AddAttributesTo(
+        pieces.Pieces[number], pieces.Sources[pieces.Images[number]], names, averages, threads));
     if (number == 0)
     {
       all = std::move(arrays);

@@ -8,10 +8,9 @@
 #include "CellArrays.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
-#include "Surface/Pieces/MemoryGrids.h"
+#include "Surface/Pieces/CollectedGrids.h"
 #include "SurfacePolyData.h"
 
-#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -29,25 +28,18 @@ namespace isosurface
 /// time, as behind all of ParaView's sources and filters: then that of the original counts.
 vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image);
 
-/**
- * The images of all ranks as pieces of grids (UniteGrids), then their rectilinear grids
- * (UniteLinedGrids), as images in structured coordinates. Images that are not parts of one field
- * (PieceFields), as the members of an ensemble, have grids of their own. The extent of a grid also
- * covers the volume that the images are blocks of (FindWholeExtent).
- */
-struct ImagePieces : MemoryGrids
+/// The images of all ranks as pieces of grids, rectilinear grids as images in structured coordinates. The
+/// extent of a grid also covers the volume that the images are blocks of (FindWholeExtent).
+struct ImagePieces : CollectedGrids
 {
-  /// Of one of the pieces; several are of one image, if others have some of it.
   struct Source
   {
     vtkImageData* Image = nullptr;
     vtkSmartPointer<vtkImageData> Owner; ///< of an image that stands for a rectilinear grid
     vtkMTimeType Time = 0;               ///< see FindImageTime
   };
-  std::vector<Source> Sources;
-  std::vector<std::size_t> Blocks; ///< of the grids, into BlockNames: the block of the first piece
-  /// Of all blocks of a composite with images, "" without a name; the same on all ranks that have
-  /// the blocks.
+  std::vector<Source> Sources; ///< of this rank's images (CollectedGrids::Images)
+  /// Of Paths, "" without a name; the same on all ranks that have the blocks.
   std::vector<std::string> BlockNames;
 };
 
