@@ -4,10 +4,12 @@
 #include "RangedArray.h"
 
 #include "vtkDoubleArray.h"
-#include "vtkIdTypeArray.h"
 #include "vtkNew.h"
+#include "vtkSmartPointer.h"
 #include "vtkTable.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
 
 namespace isosurface
@@ -21,56 +23,35 @@ constexpr const char* Names[WorkloadSpectrum::NumberOfQuantities] = { "Triangles
 constexpr std::size_t Area = 4;
 constexpr std::size_t Volume = 5;
 
-double GetUnit(const WorkloadSpectrum& spectrum, std::size_t quantity)
-{
-  return quantity == Area ? spectrum.AreaUnit : spectrum.VolumeUnit;
-}
-
-/// The sum of a quantity over spectra, in its unit; nothing if one of them does not know it.
-template <typename Array>
-void AddSum(const std::vector<const WorkloadSpectrum*>& spectra, std::size_t quantity,
-  const std::string& name, vtkTable* table)
-{
-  const std::size_t bins = spectra.front()->Bins.Count;
-  vtkNew<Array> column;
-  column->SetName(name.c_str());
-  AllocateTuples(column, static_cast<vtkIdType>(bins));
-  column->Fill(0);
-  for (const WorkloadSpectrum* spectrum : spectra)
-  {
-    const WorkloadSpectrum::Counts& counts = *spectrum->GetQuantities()[quantity];
-    if (counts.size() != bins)
-    {
-      return;
-    }
-    for (std::size_t bin = 0; bin < bins; ++bin)
-    {
-      using Value = typename Array::ValueType;
-      Value value = static_cast<Value>(counts[bin]);
-      if (quantity >= Area)
-      {
-        value = static_cast<Value>(static_cast<double>(value) * GetUnit(*spectrum, quantity));
-      }
-      const auto row = static_cast<vtkIdType>(bin);
-      column->SetValue(row, column->GetValue(row) + value);
-    }
-  }
-  table->AddColumn(column);
-}
-
+/// The sum of a quantity over spectra, areas and volumes in the units of the world; nothing if one of them does
+/// not know it.
 void AddQuantity(const std::vector<const WorkloadSpectrum*>& spectra, std::size_t quantity,
   const std::string& suffix, vtkTable* table)
 {
   static_assert(Volume + 1 == WorkloadSpectrum::NumberOfQuantities, "Area and Volume are the last");
-  const std::string name = Names[quantity] + suffix;
-  if (quantity < Area)
+  std::vector<double> sums(spectra.front()->Bins.Count);
+  for (const WorkloadSpectrum* spectrum : spectra)
   {
-    AddSum<vtkIdTypeArray>(spectra, quantity, name, table);
+    const WorkloadSpectrum::Counts& counts = *spectrum->GetQuantities()[quantity];
+    if (counts.size() != sums.size())
+    {
+      return;
+    }
+    const double unit = quantity == Area ? spectrum->AreaUnit
+      : quantity == Volume               ? spectrum->VolumeUnit
+                                         : 1;
+    std::transform(counts.begin(), counts.end(), sums.begin(), sums.begin(),
+      [unit](std::uint64_t count, double sum) { return sum + static_cast<double>(count) * unit; });
   }
-  else
+  const auto column = vtkSmartPointer<vtkDataArray>::Take(
+    vtkDataArray::CreateDataArray(quantity < Area ? VTK_ID_TYPE : VTK_DOUBLE));
+  column->SetName((Names[quantity] + suffix).c_str());
+  AllocateTuples(column, static_cast<vtkIdType>(sums.size()));
+  for (std::size_t bin = 0; bin < sums.size(); ++bin)
   {
-    AddSum<vtkDoubleArray>(spectra, quantity, name, table);
+    column->SetComponent(static_cast<vtkIdType>(bin), 0, sums[bin]);
   }
+  table->AddColumn(column);
 }
 
 } // namespace
@@ -91,7 +72,6 @@ void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* 
   }
   table->AddColumn(isovalues);
   std::vector<const WorkloadSpectrum*> all;
-  all.reserve(spectra.size());
   for (const WorkloadSpectrum& spectrum : spectra)
   {
     all.push_back(&spectrum);
