@@ -4,7 +4,6 @@
 
 #include "vtkBlockConsumerPipeline.h"
 
-#include "BlockImage.h"
 #include "VolumeInput.h"
 #include "vtkBlockedVolumeHandle.h"
 
@@ -31,6 +30,7 @@
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
 #include <vector>
@@ -90,30 +90,8 @@ void TellTimes(vtkInformationVector** input, vtkInformation* outInfo)
   }
 }
 
-// The points of a dataset in their order, as vertex coordinates of a grid.
-isosurface::PointPortions MakePortions(vtkDataSet* points, const isosurface::VertexPlaces& places)
-{
-  constexpr vtkIdType portionSize = 4096;
-  const vtkIdType count = points->GetNumberOfPoints();
-  isosurface::PointPortions portions;
-  portions.Count = static_cast<std::size_t>((count + portionSize - 1) / portionSize);
-  portions.Give = [=](std::size_t portion, std::vector<isosurface::SamplePoint>& given)
-  {
-    given.clear();
-    const vtkIdType first = static_cast<vtkIdType>(portion) * portionSize;
-    for (vtkIdType point = first; point < std::min(count, first + portionSize); ++point)
-    {
-      std::array<double, 3> place{};
-      points->GetPoint(point, place.data());
-      given.push_back({ places.FindVertex(place), point });
-    }
-  };
-  return portions;
-}
-
-// An array of the volume for the points of a dataset, filled with what points beyond the volume have.
-vtkSmartPointer<vtkDataArray> AddPointArray(
-  vtkDataSet* points, const isosurface::ArrayDescription& description)
+// Adds an array of the volume for the points of a dataset, filled with what points beyond the volume have.
+void* AddPointArray(vtkDataSet* points, const isosurface::ArrayDescription& description)
 {
   auto values = vtkSmartPointer<vtkDataArray>::Take(
     vtkDataArray::CreateDataArray(isosurface::GetVTKType(description.Type)));
@@ -123,7 +101,7 @@ vtkSmartPointer<vtkDataArray> AddPointArray(
   values->Fill(
     isosurface::IsFloatingType(description.Type) ? std::numeric_limits<double>::quiet_NaN() : 0.0);
   points->GetPointData()->AddArray(values);
-  return values;
+  return values->GetVoidPointer(0);
 }
 
 /// Whether an algorithm, or one that it has its input from, is the reader of a volume.
@@ -159,13 +137,11 @@ struct vtkVolumeProbe::Steps
   int Threads;
   std::uint64_t Points = 0;
   std::uint64_t PointsInside = 0;
-  int Parts = 0; ///< components of arrays, in all datasets
-  int Done = 0;
 
   /// Adds the arrays of the volume to datasets that have their own already.
   Status Probe(const std::vector<vtkDataSet*>& datasets);
   Status ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
-    isosurface::QueryStatistics& statistics);
+    const isosurface::Progress& progress);
 };
 
 //------------------------------------------------------------------------------
@@ -301,54 +277,60 @@ Status vtkVolumeProbe::Steps::Probe(const std::vector<vtkDataSet*>& datasets)
 {
   ISOSURFACE_ASSIGN_OR_RETURN(const auto samples,
     isosurface::LevelSamples::Open(this->Input.GetVolume(), this->Input.GetTimeStep(), 0));
-  this->Parts = static_cast<int>(datasets.size()) *
-    isosurface::CountComponents(*this->Input.GetVolume(), this->Input.GetHandle().GetArrays());
-  isosurface::QueryStatistics statistics;
-  for (vtkDataSet* dataset : datasets)
+  const auto all = static_cast<double>(datasets.size());
+  for (std::size_t number = 0; number < datasets.size(); ++number)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->ProbeOne(*samples, dataset, statistics));
+    const auto begin = static_cast<double>(number);
+    ISOSURFACE_RETURN_IF_ERROR(this->ProbeOne(*samples, datasets[number],
+      isosurface::MakeProgress(this->Filter, begin / all, (begin + 1) / all)));
   }
   return Status::Ok();
 }
 
 //------------------------------------------------------------------------------
 Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
-  isosurface::QueryStatistics& statistics)
+  const isosurface::Progress& progress)
 {
-  isosurface::BlockedVolume& volume = samples.GetVolume();
+  const isosurface::BlockedVolume& volume = samples.GetVolume();
   const isosurface::VertexPlaces places(volume.GetHeader().Grid, volume.GetLines(0));
-  if (dataset->GetNumberOfPoints() > 0)
+  const auto find = [dataset](std::int64_t point)
   {
-    double first[3];
-    dataset->GetPoint(0, first); // from then on several threads may ask for points
+    std::array<double, 3> place{};
+    dataset->GetPoint(point, place.data());
+    return place;
+  };
+  const vtkIdType points = dataset->GetNumberOfPoints();
+  if (points > 0)
+  {
+    find(0); // from then on several threads may ask for points
   }
   const auto interpolation = this->Filter.Interpolation == NEAREST
     ? isosurface::Interpolation::Nearest
     : isosurface::Interpolation::Linear;
   vtkNew<vtkCharArray> mask;
   mask->SetName("vtkValidPointMask");
-  isosurface::AllocateTuples(mask, dataset->GetNumberOfPoints());
+  isosurface::AllocateTuples(mask, points);
   mask->FillValue(0);
   auto* isInside = reinterpret_cast<std::uint8_t*>(mask->GetPointer(0));
-  for (const std::size_t array : this->Input.GetHandle().GetArrays())
+  const std::vector<std::size_t>& arrays = this->Input.GetHandle().GetArrays();
+  std::vector<void*> values;
+  for (const std::size_t array : arrays)
   {
-    const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[array];
-    vtkSmartPointer<vtkDataArray> values = AddPointArray(dataset, description);
-    for (int component = 0; component < description.Components; ++component, ++this->Done)
-    {
-      const auto progress =
-        isosurface::MakeProgress(this->Filter, static_cast<double>(this->Done) / this->Parts,
-          static_cast<double>(this->Done + 1) / this->Parts);
-      ISOSURFACE_RETURN_IF_ERROR(isosurface::SamplePoints(samples,
-        *volume.GetVariables().Find(array, component), interpolation, MakePortions(dataset, places),
-        this->Threads, values->GetVoidPointer(component), description.Components, isInside,
-        statistics, progress));
-    }
+    values.push_back(AddPointArray(dataset, volume.GetHeader().Arrays[array]));
   }
+  isosurface::QueryStatistics statistics;
+  ISOSURFACE_RETURN_IF_ERROR(
+    isosurface::SampleComponents(volume.GetVariables(), arrays, values, progress,
+      [&](std::size_t variable, void* first, int stride, const isosurface::Progress& advance)
+      {
+        return isosurface::SamplePoints(samples, variable, interpolation,
+          isosurface::MakePointPortions(points, places, find), this->Threads, first, stride,
+          isInside, statistics, advance);
+      }));
   dataset->GetPointData()->AddArray(mask);
-  this->Points += static_cast<std::uint64_t>(dataset->GetNumberOfPoints());
-  this->PointsInside += static_cast<std::uint64_t>(
-    std::count(isInside, isInside + dataset->GetNumberOfPoints(), std::uint8_t{ 1 }));
+  this->Points += static_cast<std::uint64_t>(points);
+  this->PointsInside +=
+    static_cast<std::uint64_t>(std::count(isInside, isInside + points, std::uint8_t{ 1 }));
   return Status::Ok();
 }
 

@@ -4,30 +4,23 @@
  * @class   vtkVolumeRegion
  * @brief   the samples of a blocked volume in a box, at full resolution if they fit a memory limit
  *
- * Input: a blocked volume (vtkBlockedVolumeReader, vtkInPlaceVolumeReader), of which only the blocks
- * in the box are read. Output: an image, or a rectilinear grid if the volume has one, with the arrays
- * that are chosen in the reader, for any filter, representation or writer. It has all samples in the
- * box and, between samples, the next ones beyond its faces.
- *
- * All ranks of the controller execute together, each for a part of the image, and all must reach all
- * stores. All report the errors of any. A box beside the volume is an error.
+ * Only the blocks in the box are read. Output: an image, or a rectilinear grid if the volume has one,
+ * with the arrays that are chosen in the reader, for any filter, representation or writer. It has all
+ * samples in the box and, between samples, the next ones beyond its faces. There is no coarse image. A
+ * box beside the volume is an error. What is not said here is said of vtkVolumeImageAlgorithm.
  */
 
 #ifndef vtkVolumeRegion_h
 #define vtkVolumeRegion_h
 
 #include "IsosurfaceFiltersModule.h" // For export macro
-#include "vtkDataSetAlgorithm.h"
+#include "vtkVolumeImageAlgorithm.h"
 
-#include <memory> // For the steps
-
-class vtkMultiProcessController;
-
-class ISOSURFACEFILTERS_EXPORT vtkVolumeRegion : public vtkDataSetAlgorithm
+class ISOSURFACEFILTERS_EXPORT vtkVolumeRegion : public vtkVolumeImageAlgorithm
 {
 public:
   static vtkVolumeRegion* New();
-  vtkTypeMacro(vtkVolumeRegion, vtkDataSetAlgorithm);
+  vtkTypeMacro(vtkVolumeRegion, vtkVolumeImageAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
@@ -50,45 +43,24 @@ public:
   vtkGetMacro(MemoryLimit, int);
   ///@}
 
-  /**
-   * What the image is and what memory it takes, in words; known when the information of the pipeline
-   * is up to date, before samples are read.
-   */
-  const char* GetShownText();
-
-  ///@{
-  /**
-   * The ranks that execute together, the global controller by default. Null: this rank alone.
-   */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
-  ///@}
-
 protected:
   vtkVolumeRegion();
   ~vtkVolumeRegion() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
-  int RequestDataObject(
-    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
-  int RequestInformation(
-    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
-  int RequestUpdateExtent(
-    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
-  int RequestData(
-    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+  std::uint64_t SumProperties() override;
+  /// The finest level that keeps the memory limit.
+  isosurface::Status Plan(const isosurface::BlockedVolume& volume,
+    const std::vector<std::size_t>& arrays, bool isCoarse, isosurface::ImagePlan& plan) override;
+  std::string Describe(const isosurface::ImagePlan& plan, const isosurface::BlockedVolume& volume,
+    const std::vector<std::size_t>& arrays, const std::string& level) override;
 
 private:
   vtkVolumeRegion(const vtkVolumeRegion&) = delete;
   void operator=(const vtkVolumeRegion&) = delete;
 
-  struct Steps; ///< of the requests
-
   double Position[3] = { 0, 0, 0 };
   double Length[3] = { 1, 1, 1 };
   int MemoryLimit = 1024;
-  vtkMultiProcessController* Controller = nullptr;
-  std::unique_ptr<Steps> Internals;
 };
 
 #endif

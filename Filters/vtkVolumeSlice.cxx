@@ -2,18 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkVolumeSlice.h"
 
-#include "SampledImage.h"
-#include "VolumeInput.h"
-
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
-#include "vtkExecutive.h"
 #include "vtkFlyingEdges2D.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -27,24 +22,19 @@
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/PointPrecision.h"
 #include "ImageSamples.h"
-#include "Storage/Sampling/PlaneLattice.h"
-#include "Storage/Sampling/PointSampling.h"
+#include "Storage/Sampling/ImagePlan.h"
 #include "Storage/Sampling/SampledLines.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkVolumeSlice);
-vtkCxxSetObjectMacro(vtkVolumeSlice, Controller, vtkMultiProcessController);
 
 using isosurface::ImagePlan;
-using isosurface::PlaneLattice;
-using isosurface::Result;
 using isosurface::Status;
 using isosurface::StatusCode;
 
@@ -123,47 +113,14 @@ void PlaceInWorld(vtkImageData* image, vtkPolyData* lines)
 
 } // namespace
 
-struct vtkVolumeSlice::Steps : isosurface::SampledImage
-{
-  explicit Steps(vtkVolumeSlice& filter)
-    : SampledImage(filter)
-    , Filter(filter)
-  {
-  }
-
-  vtkMultiProcessController* GetController() const override { return this->Filter.Controller; }
-  std::uint64_t SumProperties() const override;
-  /// The plane at the finest level that has few enough points, or, if it may be coarse, at one that
-  /// is soon there.
-  Result<ImagePlan> Plan(const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&,
-    bool isCoarse) const override;
-  /// The isolines of an array of the image, without those in cells with a hidden point.
-  void MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const;
-
-  vtkVolumeSlice& Filter;
-};
-
 //------------------------------------------------------------------------------
 vtkVolumeSlice::vtkVolumeSlice()
-  : Refinement(isosurface::Refinement().ToValues())
-  , Internals(std::make_unique<Steps>(*this))
 {
   this->SetNumberOfOutputPorts(2);
-  this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
 //------------------------------------------------------------------------------
-vtkVolumeSlice::~vtkVolumeSlice()
-{
-  this->SetController(nullptr);
-}
-
-//------------------------------------------------------------------------------
-int vtkVolumeSlice::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
-  return 1;
-}
+vtkVolumeSlice::~vtkVolumeSlice() = default;
 
 //------------------------------------------------------------------------------
 int vtkVolumeSlice::FillOutputPortInformation(int port, vtkInformation* info)
@@ -196,82 +153,23 @@ vtkMTimeType vtkVolumeSlice::GetMTime()
 }
 
 //------------------------------------------------------------------------------
-const char* vtkVolumeSlice::GetShownText()
-{
-  return this->Internals->GetText().c_str();
-}
-
-//------------------------------------------------------------------------------
-void vtkVolumeSlice::AllowCoarse(vtkTypeBool allowed)
-{
-  this->Internals->AllowCoarse(allowed != 0);
-}
-
-//------------------------------------------------------------------------------
-int vtkVolumeSlice::GetFinal()
-{
-  return this->Internals->IsFinal() ? 1 : 0;
-}
-
-//------------------------------------------------------------------------------
-void vtkVolumeSlice::Refine()
-{
-  if (this->Internals->Refine())
-  {
-    this->Modified();
-  }
-}
-
-//------------------------------------------------------------------------------
-void vtkVolumeSlice::PrepareRefinement(int milliseconds)
-{
-  this->Refinement =
-    this->Internals->PrepareRefinement(std::max(0, milliseconds) / 1000.0).ToValues();
-}
-
-//------------------------------------------------------------------------------
-void vtkVolumeSlice::DropRefinement()
-{
-  this->Internals->DropRefinement();
-}
-
-//------------------------------------------------------------------------------
-int vtkVolumeSlice::RequestInformation(
-  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
-{
-  output->GetInformationObject(1)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
-  return this->Internals->TellImage(input[0]->GetInformationObject(0), output);
-}
-
-//------------------------------------------------------------------------------
-int vtkVolumeSlice::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
-{
-  const int port = std::max(0, request->Get(vtkExecutive::FROM_OUTPUT_PORT()));
-  isosurface::AskVolume(
-    *this, input[0]->GetInformationObject(0), output->GetInformationObject(port));
-  return 1;
-}
-
-//------------------------------------------------------------------------------
 int vtkVolumeSlice::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
-  Steps& steps = *this->Internals;
   auto* isolines = vtkPolyData::GetData(output, 1);
   isolines->Initialize();
   int result = 0;
-  const bool isMade = steps.Make(request, input[0]->GetInformationObject(0), output, result);
+  const bool isMade = this->MakeImage(request, input[0]->GetInformationObject(0), output, result);
   auto* image = vtkImageData::GetData(output, 0);
   if (!isMade || this->Isovalues->GetNumberOfContours() == 0)
   {
     return result;
   }
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  isosurface::ControllerCommunicator ranks(this->GetController());
   const Status status = isosurface::AttemptOnAll(ranks, "the isolines cannot be made",
     [&]
     {
-      steps.MakeIsolines(image, isolines);
+      this->MakeIsolines(image, isolines);
       return Status::Ok();
     });
   if (!status.IsOk())
@@ -283,11 +181,11 @@ int vtkVolumeSlice::RequestData(
 }
 
 //------------------------------------------------------------------------------
-void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isolines) const
+void vtkVolumeSlice::MakeIsolines(vtkImageData* image, vtkPolyData* isolines)
 {
   const int* size = image->GetDimensions();
-  vtkContourValues* values = this->Filter.Isovalues;
-  const std::string& name = this->Filter.IsolineArray;
+  vtkContourValues* values = this->Isovalues;
+  const std::string& name = this->IsolineArray;
   vtkDataArray* array = name.empty() ? image->GetPointData()->GetScalars()
                                      : image->GetPointData()->GetArray(name.c_str());
   if (size[0] < 2 || size[1] < 2)
@@ -296,9 +194,8 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
   }
   if (!array)
   {
-    isosurface::ReportWarning(&this->Filter,
-      isosurface::ControllerCommunicator(this->Filter.Controller), Status::Ok(),
-      "there are no isolines: the slice has no array \"" + name + "\"");
+    isosurface::ReportWarning(this, isosurface::ControllerCommunicator(this->GetController()),
+      Status::Ok(), "there are no isolines: the slice has no array \"" + name + "\"");
     return;
   }
   vtkNew<vtkImageData> scalars;
@@ -329,62 +226,58 @@ void vtkVolumeSlice::Steps::MakeIsolines(vtkImageData* image, vtkPolyData* isoli
 }
 
 //------------------------------------------------------------------------------
-std::uint64_t vtkVolumeSlice::Steps::SumProperties() const
+std::uint64_t vtkVolumeSlice::SumProperties()
 {
   isosurface::Fingerprint properties;
   for (int axis = 0; axis < 3; ++axis)
   {
-    properties.AddReal(this->Filter.Origin[axis]);
-    properties.AddReal(this->Filter.Normal[axis]);
+    properties.AddReal(this->Origin[axis]);
+    properties.AddReal(this->Normal[axis]);
   }
-  properties.AddNumber(static_cast<std::uint64_t>(this->Filter.Interpolation));
-  properties.AddReal(this->Filter.MaximumPoints);
-  properties.AddText(this->Filter.IsolineArray);
-  for (int number = 0; number < this->Filter.GetNumberOfContours(); ++number)
+  properties.AddNumber(static_cast<std::uint64_t>(this->Interpolation));
+  properties.AddReal(this->MaximumPoints);
+  properties.AddText(this->IsolineArray);
+  for (int number = 0; number < this->GetNumberOfContours(); ++number)
   {
-    properties.AddReal(this->Filter.GetValue(number));
+    properties.AddReal(this->GetValue(number));
   }
   return properties.Get();
 }
 
 //------------------------------------------------------------------------------
-Result<ImagePlan> vtkVolumeSlice::Steps::Plan(
-  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse) const
+Status vtkVolumeSlice::Plan(const isosurface::BlockedVolume& volume,
+  const std::vector<std::size_t>&, bool isCoarse, ImagePlan& plan)
 {
   isosurface::Plane plane;
-  std::copy_n(this->Filter.Origin, 3, plane.Origin.begin());
-  std::copy_n(this->Filter.Normal, 3, plane.Normal.begin());
-  auto found = isosurface::FindLatticeWithin(volume, plane, 1e6 * this->Filter.MaximumPoints);
+  std::copy_n(this->Origin, 3, plane.Origin.begin());
+  std::copy_n(this->Normal, 3, plane.Normal.begin());
+  const auto interpolation = this->Interpolation == NEAREST ? isosurface::Interpolation::Nearest
+                                                            : isosurface::Interpolation::Linear;
+  auto found = isosurface::PlanSlice(volume, plane, interpolation, 1e6 * this->MaximumPoints);
   if (!found)
   {
-    return Status(StatusCode::InvalidArgument,
-      volume.GetPath() + ": the plane is beside the volume, or its normal is 0");
+    return { StatusCode::InvalidArgument,
+      volume.GetPath() + ": the plane is beside the volume, or its normal is 0" };
   }
-  if (isCoarse && found->Lattice.CountPoints() > CoarsePoints)
+  plan = std::move(*found);
+  if (isCoarse && plan.CountPoints() > CoarsePoints)
   {
-    auto coarse = isosurface::FindLatticeWithin(
-      volume, plane, CoarsePoints, std::max(found->Level, CoarseLevel));
-    found = coarse ? std::move(coarse) : std::move(found);
+    auto coarse = isosurface::PlanSlice(
+      volume, plane, interpolation, CoarsePoints, std::max(plan.Level, CoarseLevel));
+    if (coarse)
+    {
+      plan = std::move(*coarse);
+    }
   }
-  const auto lattice = std::make_shared<const PlaneLattice>(std::move(found->Lattice));
-  const auto interpolation = this->Filter.Interpolation == NEAREST
-    ? isosurface::Interpolation::Nearest
-    : isosurface::Interpolation::Linear;
-  ImagePlan image;
-  image.Level = found->Level;
-  image.Grid = lattice->GetImage();
-  image.HasOutside = !lattice->IsAligned();
-  const isosurface::Index3 size = image.Grid.GetDimensions();
-  image.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points";
-  image.Fill = [lattice, interpolation](const isosurface::LevelSamples& samples,
-                 std::size_t variable, const isosurface::VertexBox& part, int threads, void* values,
-                 std::ptrdiff_t stride, std::uint8_t* isInside,
-                 isosurface::QueryStatistics& statistics, const isosurface::Progress& progress)
-  {
-    return lattice->Sample(samples, variable, interpolation, part, threads, values, stride,
-      isInside, statistics, progress);
-  };
-  return image;
+  return Status::Ok();
+}
+
+//------------------------------------------------------------------------------
+std::string vtkVolumeSlice::Describe(const ImagePlan& plan, const isosurface::BlockedVolume&,
+  const std::vector<std::size_t>&, const std::string& level)
+{
+  const isosurface::Index3 size = plan.Grid.GetDimensions();
+  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " + level;
 }
 
 //------------------------------------------------------------------------------
@@ -399,5 +292,4 @@ void vtkVolumeSlice::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumPoints: " << this->MaximumPoints << "\n";
   os << indent << "IsolineArray: " << this->IsolineArray << "\n";
   this->Isovalues->PrintSelf(os, indent);
-  os << indent << "Controller: " << this->Controller << "\n";
 }

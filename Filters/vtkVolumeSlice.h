@@ -4,17 +4,14 @@
  * @class   vtkVolumeSlice
  * @brief   an image of the samples of a blocked volume on a plane, at full resolution
  *
- * Input: a blocked volume (vtkBlockedVolumeReader, vtkInPlaceVolumeReader), of which only the blocks
- * that the plane crosses are read. Output: an image of one slice with the arrays that are chosen in
- * the reader.
+ * Only the blocks that the plane crosses are read. Output: an image of one slice with the arrays that are
+ * chosen in the reader.
  *
  * A plane along two axes of the volume has the volume's own vertices on these axes, in the order y z,
  * x z or x y. Any other plane has square cells as small as the smallest spacing of the volume; points
  * beyond the volume are hidden (vtkGhostType) and have the minimum of the array. Of a rectilinear
- * grid all planes are of that kind. Second output: isolines of that image.
- *
- * All ranks of the controller execute together, each for a part of the image, and all must reach all
- * stores. All report the errors of any. A plane beside the volume is an error.
+ * grid all planes are of that kind. Second output: isolines of that image. A plane beside the volume is
+ * an error. What is not said here is said of vtkVolumeImageAlgorithm.
  */
 
 #ifndef vtkVolumeSlice_h
@@ -22,21 +19,19 @@
 
 #include "IsosurfaceFiltersModule.h" // For export macro
 #include "vtkContourValues.h"        // For the isovalues
-#include "vtkImageAlgorithm.h"
-#include "vtkNew.h" // For the isovalues
+#include "vtkNew.h"                  // For the isovalues
+#include "vtkVolumeImageAlgorithm.h"
 
-#include <array>  // For the window
-#include <memory> // For the steps
 #include <string> // For the name
 
-class vtkMultiProcessController;
+class vtkImageData;
 class vtkPolyData;
 
-class ISOSURFACEFILTERS_EXPORT vtkVolumeSlice : public vtkImageAlgorithm
+class ISOSURFACEFILTERS_EXPORT vtkVolumeSlice : public vtkVolumeImageAlgorithm
 {
 public:
   static vtkVolumeSlice* New();
-  vtkTypeMacro(vtkVolumeSlice, vtkImageAlgorithm);
+  vtkTypeMacro(vtkVolumeSlice, vtkVolumeImageAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
@@ -82,6 +77,7 @@ public:
   void SetNumberOfContours(int number) { this->Isovalues->SetNumberOfContours(number); }
   int GetNumberOfContours() { return static_cast<int>(this->Isovalues->GetNumberOfContours()); }
   vtkPolyData* GetIsolines();
+  vtkImageData* GetOutput() { return this->GetImageDataOutput(); }
   ///@}
 
   ///@{
@@ -95,45 +91,17 @@ public:
 
   vtkMTimeType GetMTime() override;
 
-  /**
-   * What the last image is, in words: "2048 x 2048 points at full resolution".
-   */
-  const char* GetShownText();
-
-  ///@{
-  /**
-   * For a window, as of vtkStabbingContour: while coarse images are allowed, a large image of
-   * something new is coarse, and not final. PrepareRefinement then reads the exact one beside the
-   * calling thread, and waits for it, but not longer than this. Refinement has the values of
-   * Ranks/Query/Refinement.h, as the last call found them. The execution after Refine gives the exact
-   * image. All ranks call these together. DropRefinement stops the reading.
-   */
-  void AllowCoarse(vtkTypeBool allowed);
-  int GetFinal();
-  void Refine();
-  void PrepareRefinement(int milliseconds);
-  void DropRefinement();
-  double* GetRefinement() VTK_SIZEHINT(10) { return this->Refinement.data(); }
-  ///@}
-
-  ///@{
-  /**
-   * The ranks that execute together, the global controller by default. Null: this rank alone.
-   */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
-  ///@}
-
 protected:
   vtkVolumeSlice();
   ~vtkVolumeSlice() override;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
+  std::uint64_t SumProperties() override;
+  /// The plane at the finest level that has few enough points.
+  isosurface::Status Plan(const isosurface::BlockedVolume& volume,
+    const std::vector<std::size_t>& arrays, bool isCoarse, isosurface::ImagePlan& plan) override;
+  std::string Describe(const isosurface::ImagePlan& plan, const isosurface::BlockedVolume& volume,
+    const std::vector<std::size_t>& arrays, const std::string& level) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
-  int RequestInformation(
-    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
-  int RequestUpdateExtent(
-    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
@@ -141,7 +109,8 @@ private:
   vtkVolumeSlice(const vtkVolumeSlice&) = delete;
   void operator=(const vtkVolumeSlice&) = delete;
 
-  struct Steps; ///< of the requests
+  /// The isolines of an array of the image, without those in cells with a hidden point.
+  void MakeIsolines(vtkImageData* image, vtkPolyData* isolines);
 
   double Origin[3] = { 0, 0, 0 };
   double Normal[3] = { 0, 0, 1 };
@@ -149,9 +118,6 @@ private:
   double MaximumPoints = 16;
   vtkNew<vtkContourValues> Isovalues;
   std::string IsolineArray;
-  std::array<double, 10> Refinement;
-  vtkMultiProcessController* Controller = nullptr;
-  std::unique_ptr<Steps> Internals;
 };
 
 #endif

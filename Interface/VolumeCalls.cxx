@@ -183,19 +183,19 @@ struct OwnedTexts : si_texts
 
 struct OwnedSlice : si_slice
 {
-  explicit OwnedSlice(PlaneSamples cut)
+  explicit OwnedSlice(SampledBox cut)
     : si_slice{}
     , Cut(std::move(cut))
-    , Grid({ this->Cut.Image, std::nullopt, this->Cut.Image.GetDimensions() })
+    , Grid({ this->Cut.Plan.Grid, std::nullopt, this->Cut.Plan.Grid.GetDimensions() })
   {
     this->size = sizeof(si_slice);
     this->grid = &this->Grid;
-    this->level = static_cast<std::size_t>(this->Cut.Level);
-    this->values = this->Cut.Values.data();
-    this->inside = this->Cut.Inside.data();
+    this->level = static_cast<std::size_t>(this->Cut.Plan.Level);
+    this->values = this->Cut.Values.front().GetData();
+    this->inside = this->Cut.IsInside.data();
   }
 
-  PlaneSamples Cut;
+  SampledBox Cut;
   const OwnedGrid Grid;
 };
 

@@ -5,6 +5,7 @@
 #include "ImageSamples.h"
 #include "RangedArray.h"
 #include "RectilinearGrids.h"
+#include "Storage/Sampling/LevelSamples.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -22,6 +23,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -86,13 +88,21 @@ vtkSmartPointer<vtkImageData> MakeLevelImage(
   return image;
 }
 
-// An array for the image's vertices, uninitialised.
-vtkSmartPointer<vtkDataArray> MakeArray(vtkImageData* image, const ArrayDescription& description)
+// An array for the image's vertices, uninitialised unless there is memory with its values.
+vtkSmartPointer<vtkDataArray> MakeArray(
+  vtkImageData* image, const ArrayDescription& description, Buffer<std::uint8_t> memory = {})
 {
   vtkSmartPointer<vtkDataArray> values = MakeRangedArray(GetVTKType(description.Type));
   values->SetName(description.Name.c_str());
   values->SetNumberOfComponents(description.Components);
-  AllocateTuples(values, image->GetNumberOfPoints());
+  if (memory.IsEmpty())
+  {
+    AllocateTuples(values, image->GetNumberOfPoints());
+  }
+  else
+  {
+    AdoptMemory(values, memory.Release(), image->GetNumberOfPoints() * description.Components);
+  }
   if (!description.Unit.empty())
   {
     values->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), description.Unit.c_str());
@@ -168,9 +178,10 @@ vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const Vert
   return image;
 }
 
-vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description)
+vtkSmartPointer<vtkDataArray> AddArray(
+  vtkImageData* image, const ArrayDescription& description, Buffer<std::uint8_t> memory)
 {
-  auto values = MakeArray(image, description);
+  auto values = MakeArray(image, description, std::move(memory));
   image->GetPointData()->AddArray(values);
   if (!image->GetPointData()->GetScalars())
   {
@@ -217,26 +228,6 @@ void StoreVolumeRanges(
   }
 }
 
-int CountComponents(const BlockedVolume& volume, const std::vector<std::size_t>& arrays)
-{
-  int components = 0;
-  for (const std::size_t array : arrays)
-  {
-    components += volume.GetHeader().Arrays[array].Components;
-  }
-  return components;
-}
-
-void FillWithMinimum(const BlockedVolume& volume, std::size_t timeStep, std::size_t array,
-  int component, vtkDataArray* values)
-{
-  const ArrayDescription& description = volume.GetHeader().Arrays[array];
-  const KeyRange& range =
-    volume.GetHeader().TimeSteps[timeStep].Ranges[*volume.GetVariables().Find(array, component)];
-  values->FillComponent(
-    component, range.IsEmpty() ? 0 : GetValueOfKey(range.Minimum, description.Type));
-}
-
 Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockBox& box,
   std::size_t timeStep, const std::vector<std::size_t>& arrays, int level, int threads,
   QueryStatistics& statistics, const Progress& progress)
@@ -251,20 +242,21 @@ Result<vtkSmartPointer<vtkDataSet>> ReadSlab(BlockedVolume& volume, const BlockB
 
   const VertexBox available = box.GetGhostedVertices(grid, stored.Level);
   vtkSmartPointer<vtkImageData> image = MakeLevelImage(volume, level, available);
-  const int all = CountComponents(volume, arrays);
-  int done = 0;
-  const auto partProgress = [&](double share) { return progress((done + share) / all); };
+  std::vector<void*> values;
   for (const std::size_t array : arrays)
   {
-    const ArrayDescription& description = volume.GetHeader().Arrays[array];
-    vtkSmartPointer<vtkDataArray> values = AddArray(image, description);
-    for (int component = 0; component < description.Components; ++component, ++done)
+    values.push_back(AddArray(image, volume.GetHeader().Arrays[array])->GetVoidPointer(0));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(SampleComponents(volume.GetVariables(), arrays, values, progress,
+    [&](std::size_t variable, void* first, int stride, const Progress& advance)
     {
-      ISOSURFACE_RETURN_IF_ERROR(AssembleBlocks(volume, timeStep,
-        *volume.GetVariables().Find(array, component), level, box, blocks, threads,
-        values->GetVoidPointer(component), description.Components, statistics, partProgress));
-    }
-    StoreVolumeRanges(volume, timeStep, array, values);
+      return AssembleBlocks(volume, timeStep, variable, level, box, blocks, threads, first, stride,
+        statistics, advance);
+    }));
+  for (const std::size_t array : arrays)
+  {
+    StoreVolumeRanges(volume, timeStep, array,
+      image->GetPointData()->GetArray(volume.GetHeader().Arrays[array].Name.c_str()));
   }
   // One piece alone has no neighbours, hence no ghosts.
   const VertexBox own = box.GetVertices(grid, stored.Level);

@@ -4,12 +4,14 @@
 
 #include "vtkSmartPointer.h"
 
+#include "Ground/Base/Buffer.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 class vtkDataArray;
@@ -22,15 +24,10 @@ namespace isosurface
 /// An image of a box of a grid's vertices, without arrays yet.
 vtkSmartPointer<vtkImageData> MakeImage(const GridGeometry& geometry, const VertexBox& vertices);
 
-/// Adds a point array, uninitialised; the first one becomes the active scalars.
-vtkSmartPointer<vtkDataArray> AddArray(vtkImageData* image, const ArrayDescription& description);
-
-/// The components of all of these arrays.
-int CountComponents(const BlockedVolume& volume, const std::vector<std::size_t>& arrays);
-
-/// Gives one component of each tuple the minimum of the volume's array.
-void FillWithMinimum(const BlockedVolume& volume, std::size_t timeStep, std::size_t array,
-  int component, vtkDataArray* values);
+/// Adds a point array, whose tuples are in `memory`, or uninitialised if that is empty; the first one becomes
+/// the active scalars.
+vtkSmartPointer<vtkDataArray> AddArray(
+  vtkImageData* image, const ArrayDescription& description, Buffer<std::uint8_t> memory = {});
 
 /// Stores the ranges of the volume in an array of some of its samples, where VTK keeps those it has
 /// computed: a level leaves out most samples, and ranges in panels and color maps are the volume's.

@@ -4,14 +4,11 @@
 
 #include "Formats/Files/VolumeFile.h"
 
-#include "Storage/Sampling/PlaneLattice.h"
-#include "Storage/Sampling/PointSampling.h"
+#include "Storage/Sampling/ImagePlan.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 namespace isosurface
 {
@@ -32,19 +29,10 @@ Status ProbePoints(VolumeFile& file, const SampledArray& of, Interpolation inter
   const double* points, std::size_t count, void* values, std::uint8_t* inside,
   const Progress& progress);
 
-/// The samples of a plane.
-struct PlaneSamples
-{
-  GridGeometry Image; ///< of one vertex on the third axis
-  int Level = 0;
-  std::vector<std::uint8_t> Values; ///< tuples of the array's type; 0 or NaN beyond the volume
-  std::vector<std::uint8_t> Inside; ///< 1 for points within the volume
-};
-
-/// Those of the finest level, from that of `of` on, at which the plane has at most `maximumPoints` points
-/// (FindLatticeWithin); nothing if it does not meet the volume. Cost and errors: PlaneLattice::Sample, GetBlocks
-/// of the file.
-Result<std::optional<PlaneSamples>> CutPlane(VolumeFile& file, const SampledArray& of,
+/// The samples of a plane, with IsInside: of the finest level, from that of `of` on, at which the plane has at
+/// most `maximumPoints` points (FindLatticeWithin); nothing if it does not meet the volume. Cost and errors:
+/// SampledBox::Fill, GetBlocks of the file.
+Result<std::optional<SampledBox>> CutPlane(VolumeFile& file, const SampledArray& of,
   const Plane& plane, double maximumPoints, const Progress& progress);
 
 } // namespace isosurface

@@ -79,23 +79,12 @@ LevelDescription StoredVolume::Describe(int level) const
   return description;
 }
 
-Result<std::shared_ptr<const LevelSamples>> StoredVolume::FindSamples(
-  std::size_t timeStep, int level)
-{
-  const std::lock_guard<std::mutex> lock(this->Mutex);
-  std::shared_ptr<const LevelSamples>& kept = this->Samples[{ timeStep, level }];
-  if (!kept)
-  {
-    ISOSURFACE_ASSIGN_OR_RETURN(kept, LevelSamples::Open(this->Volume, timeStep, level));
-  }
-  return kept;
-}
-
 Status StoredVolume::Read(const SampleRequest& given, void* samples, const Progress& progress)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->Volume->CheckSource(given.TimeStep));
   const SampleRequest request = Coarsen(given, this->GetNumberOfLevels());
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto level, this->FindSamples(request.TimeStep, request.Level));
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto level, this->Levels.Find(this->Volume, request.TimeStep, request.Level));
   const std::size_t first = this->Volume->GetVariables().GetFirst(request.Array);
   const ValueType type = this->GetArrays()[request.Array].Type;
   const auto stride = static_cast<std::ptrdiff_t>(request.Components.size());

@@ -7,10 +7,6 @@
 #include "Storage/Sampling/LevelSamples.h"
 #include "Storage/Store/BlockedVolume.h"
 
-#include <map>
-#include <mutex>
-#include <utility>
-
 namespace isosurface
 {
 
@@ -40,12 +36,9 @@ public:
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
 
 private:
-  Result<std::shared_ptr<const LevelSamples>> FindSamples(std::size_t timeStep, int level);
-
   std::shared_ptr<BlockedVolume> Volume;
   std::vector<std::optional<double>> Times;
-  std::mutex Mutex; ///< guards Samples
-  std::map<std::pair<std::size_t, int>, std::shared_ptr<const LevelSamples>> Samples;
+  LevelsOfVolume Levels;
 };
 
 } // namespace isosurface

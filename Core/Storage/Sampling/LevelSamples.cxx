@@ -172,4 +172,51 @@ Status LevelSamples::Read(std::size_t variable, const VertexBox& box, const Inde
     statistics, progress);
 }
 
+Result<std::shared_ptr<const LevelSamples>> LevelsOfVolume::Find(
+  const std::shared_ptr<BlockedVolume>& volume, std::size_t timeStep, int level)
+{
+  constexpr std::size_t most = 64;
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const bool isOther =
+    !this->Levels.empty() && &this->Levels.begin()->second->GetVolume() != volume.get();
+  const auto known = this->Levels.find({ timeStep, level });
+  if (known != this->Levels.end() && !isOther)
+  {
+    return known->second;
+  }
+  if (isOther || this->Levels.size() >= most)
+  {
+    this->Levels.clear();
+  }
+  ISOSURFACE_ASSIGN_OR_RETURN(auto opened, LevelSamples::Open(volume, timeStep, level));
+  this->Levels[{ timeStep, level }] = opened;
+  return opened;
+}
+
+Status SampleComponents(const ArrayVariables& variables, const std::vector<std::size_t>& arrays,
+  const std::vector<void*>& values, const Progress& progress, const ComponentSampler& sample)
+{
+  int all = 0;
+  for (const std::size_t array : arrays)
+  {
+    all += variables.GetComponents(array);
+  }
+  int done = 0;
+  for (std::size_t number = 0; number < arrays.size(); ++number)
+  {
+    const std::size_t first = variables.GetFirst(arrays[number]);
+    const auto components = static_cast<std::size_t>(variables.GetComponents(arrays[number]));
+    const std::size_t bytes = GetValueSize(variables[first].Type);
+    for (std::size_t component = 0; component < components; ++component, ++done)
+    {
+      const Progress part = MakePartOfProgress(
+        progress, static_cast<double>(done) / all, static_cast<double>(done + 1) / all);
+      ISOSURFACE_RETURN_IF_ERROR(
+        sample(first + component, static_cast<char*>(values[number]) + component * bytes,
+          static_cast<int>(components), part));
+    }
+  }
+  return Status::Ok();
+}
+
 } // namespace isosurface

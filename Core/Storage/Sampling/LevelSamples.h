@@ -4,6 +4,7 @@
 
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/ArrayVariables.h"
 #include "Ground/Volume/VertexBox.h"
 #include "Storage/Sampling/BlockAssembly.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -11,7 +12,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -77,6 +82,29 @@ private:
   StoredLevel Stored;
   std::vector<BlockReference> Blocks; ///< by block index
 };
+
+/// The levels of a volume that samples are read of, each opened once; of another volume, anew. At most 64
+/// levels of time steps are kept. Functions may be called by several threads at once.
+class LevelsOfVolume
+{
+public:
+  /// Errors: LevelSamples::Open.
+  Result<std::shared_ptr<const LevelSamples>> Find(
+    const std::shared_ptr<BlockedVolume>& volume, std::size_t timeStep, int level);
+
+private:
+  std::mutex Mutex; ///< guards Levels
+  std::map<std::pair<std::size_t, int>, std::shared_ptr<const LevelSamples>> Levels;
+};
+
+/// Makes the values of a variable: `stride` values apart, from `first` on.
+using ComponentSampler =
+  std::function<Status(std::size_t variable, void* first, int stride, const Progress& progress)>;
+
+/// Calls `sample` for each component of some arrays one after another; `values` has the tuples of each of
+/// these arrays.
+Status SampleComponents(const ArrayVariables& variables, const std::vector<std::size_t>& arrays,
+  const std::vector<void*>& values, const Progress& progress, const ComponentSampler& sample);
 
 } // namespace isosurface
 

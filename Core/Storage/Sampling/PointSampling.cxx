@@ -210,6 +210,25 @@ private:
 
 } // namespace
 
+PointPortions MakePointPortions(std::int64_t count, const VertexPlaces& places,
+  std::function<std::array<double, 3>(std::int64_t point)> find)
+{
+  constexpr std::int64_t size = 4096;
+  PointPortions portions;
+  portions.Count = static_cast<std::size_t>((count + size - 1) / size);
+  portions.Give = [count, &places, find = std::move(find)](
+                    std::size_t portion, std::vector<SamplePoint>& given)
+  {
+    given.clear();
+    const std::int64_t first = static_cast<std::int64_t>(portion) * size;
+    for (std::int64_t point = first; point < std::min(count, first + size); ++point)
+    {
+      given.push_back({ places.FindVertex(find(point)), point });
+    }
+  };
+  return portions;
+}
+
 Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpolation interpolation,
   const PointPortions& points, int threads, void* values, std::ptrdiff_t stride,
   std::uint8_t* isInside, QueryStatistics& statistics, const Progress& progress)

@@ -5,6 +5,7 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/CutToRange.h"
+#include "Ground/Volume/VertexPlaces.h"
 #include "Storage/Sampling/LevelSamples.h"
 #include "Storage/Store/QueryStatistics.h"
 
@@ -42,6 +43,11 @@ struct PointPortions
   /// Fills in the points of a portion; called by several threads at once.
   std::function<void(std::size_t portion, std::vector<SamplePoint>& points)> Give;
 };
+
+/// Points of the world in their order. `find` gives the place of one, for several threads at once; `places`, which
+/// must outlive the result, are those of the level.
+PointPortions MakePointPortions(std::int64_t count, const VertexPlaces& places,
+  std::function<std::array<double, 3>(std::int64_t point)> find);
 
 /**
  * Fills `values` with one variable at points, and `isInside` with 1 for each point within the grid,
