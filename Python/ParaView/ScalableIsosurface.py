@@ -19,6 +19,28 @@ def find_system_error():
     return "" if found == wanted else f" (it is for {wanted}, and this is {found})"
 
 
+def find_loaded():
+    """The file of another plugin of this name that is loaded; "" if there is none."""
+    from paraview.modules.vtkRemotingCore import vtkPVPluginTracker
+
+    tracker = vtkPVPluginTracker.GetInstance()
+    for number in range(tracker.GetNumberOfPlugins()):
+        file = tracker.GetPluginFileName(number) or ""
+        if tracker.GetPluginLoaded(number) and os.path.splitext(os.path.basename(file))[0] == "ScalableIsosurface":
+            return "" if os.path.realpath(file) == os.path.realpath(__file__) else file
+    return ""
+
+
+def tell(kind, text):
+    """One line, in the window and the terminal."""
+    from vtkmodules.vtkParallelCore import vtkMultiProcessController
+
+    controller = vtkMultiProcessController.GetGlobalController()
+    if not controller or controller.GetLocalProcessId() == 0:
+        show = getattr(vtkOutputWindow.GetInstance(), f"Display{kind}Text")
+        show(f"{kind}: ScalableIsosurface: {' '.join(text.split())}\n")
+
+
 def load_package():
     """The package beside this file, and no other. Raises an ImportError of one line."""
     if vtkVersion.GetVTKMajorVersion() < 9:
@@ -49,10 +71,13 @@ class Definitions:
 
 paraview_plugin_name = "ScalableIsosurface"
 try:
-    package = load_package()
-    paraview_plugin_version = package.__version__
-    Definitions._pvsm_proxy_xml = package._plugin.DEFINITIONS
+    loaded = find_loaded()
+    if loaded:
+        tell("Warning", f"{__file__}: is not loaded, since {loaded} is loaded already")
+    else:
+        package = load_package()
+        paraview_plugin_version = package.__version__
+        Definitions._pvsm_proxy_xml = package._plugin.DEFINITIONS
 except ImportError as error:
-    text = " ".join(str(error).split())
     paraview_plugin_name += " (cannot be used)"
-    vtkOutputWindow.GetInstance().DisplayErrorText(f"ERROR: ScalableIsosurface is not loaded: {text}\n")
+    tell("Error", f"is not loaded: {error}")

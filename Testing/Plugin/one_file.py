@@ -54,4 +54,5 @@ def main():
     sys.exit(len(different))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the plugin in one file of Python says where something is wrong: one line, and no traceback.
+
+    one_file_errors.py --plugins CXX PYTHON --volumes FOLDER --output FOLDER --library FILE -- PVBATCH...
+"""
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+from one_file import SITE
+
+arguments = None
+
+
+def run(lines, **environment):
+    """What pvbatch says of a script, its lines without ParaView's own decoration."""
+    script = os.path.join(arguments.output, "script.py")
+    with open(script, "w") as file:
+        file.write("import sys\nfrom paraview import simple\n" + "\n".join(lines) + "\nprint('the end')\n")
+    done = subprocess.run([*arguments.program, script], capture_output=True, text=True, timeout=300,
+                          env={**os.environ, "PYTHONPATH": arguments.site, **environment})
+    said = [line for line in re.sub(r"\x1b\[[0-9;]*m", "", done.stderr + done.stdout).splitlines() if line.strip()]
+    return said
+
+
+def load(path):
+    return f"simple.LoadPlugin({path!r}, remote=True, ns=vars(simple))"
+
+
+class Errors(unittest.TestCase):
+    def copy(self, name, library=None):
+        """A copy of the plugin and its package, with a library of its own."""
+        folder = os.path.join(arguments.output, name)
+        beside = os.path.dirname(arguments.plugins[1])
+        package = os.path.join(folder, "scalable_isosurface")
+        shutil.copytree(os.path.join(beside, "scalable_isosurface"), package,
+                        ignore=shutil.ignore_patterns("*.so", "*.pyi", "__pycache__"))
+        shutil.copy(arguments.plugins[1], folder)
+        shutil.copy(library or arguments.library, os.path.join(package, "libscalable_isosurface.so.1"))
+        return os.path.join(folder, "ScalableIsosurface.py")
+
+    def check(self, said, *words):
+        """One line has the words, and there is no other but the end."""
+        self.assertEqual(len(said), 2, "\n".join(said))
+        for word in words:
+            self.assertIn(word, said[0])
+        self.assertEqual(said[1], "the end")
+
+    def test_another_folder_works(self):
+        said = run([load(self.copy("whole")), "print(simple.Isosurface is not None)"])
+        self.assertEqual(said, ["True", "the end"])
+
+    def test_a_library_of_another_version_is_refused(self):
+        plugin = self.copy("version")
+        path = os.path.join(os.path.dirname(plugin), "scalable_isosurface", "__init__.py")
+        with open(path) as file:
+            text = file.read()
+        with open(path, "w") as file:
+            file.write(re.sub(r'__version__ = "[0-9.]+"', '__version__ = "7.8.9"', text))
+        self.check(run([load(plugin)]), "is not loaded", "libscalable_isosurface.so.1", "7.8.9")
+
+    def test_a_damaged_library_is_refused(self):
+        plugin = self.copy("damaged")
+        with open(os.path.join(os.path.dirname(plugin), "scalable_isosurface", "libscalable_isosurface.so.1"), "r+b") as file:
+            file.truncate(100000)
+        self.check(run([load(plugin)]), "is not loaded", "damaged")
+
+    def test_a_missing_package_is_told(self):
+        plugin = self.copy("missing")
+        shutil.rmtree(os.path.join(os.path.dirname(plugin), "scalable_isosurface"))
+        self.check(run([load(plugin)]), "is not loaded", "scalable_isosurface")
+
+    def test_missing_numpy_is_told(self):
+        hidden = os.path.join(arguments.output, "hidden")
+        os.makedirs(hidden)
+        with open(os.path.join(hidden, "sitecustomize.py"), "w") as file:
+            file.write(SITE + "import sys\nsys.modules['numpy'] = None\n")
+        said = run([load(self.copy("bare"))], PYTHONPATH=hidden)
+        self.check([line for line in said if "ScalableIsosurface" in line or line == "the end"], "NumPy")
+
+    def test_the_plugin_in_cxx_that_is_loaded_first_wins(self):
+        cxx, python = arguments.plugins
+        self.check(run([load(cxx), load(python)]), python, cxx, "is loaded already")
+
+    def test_damaged_files_are_told_in_one_line(self):
+        path = os.path.join(arguments.output, "damaged.bvol")
+        with open(path, "w") as file:
+            file.write('{"format": "ScalableIsosurface blocked volume", ')
+        said = run([load(arguments.plugins[1]), f"reader = simple.BlockedVolumeReader(FileName=[{path!r}])",
+                    "surface = simple.Isosurface(Input=reader, Isosurfaces=[1.0])", "surface.UpdatePipeline()"])
+        self.check(said, path)
+
+    def test_what_it_cannot_contour_is_told_by_name(self):
+        said = run([load(arguments.plugins[1]), "surface = simple.Isosurface(Input=simple.Wavelet(), Isosurfaces=[100.0])",
+                    "surface.UpdatePipeline()"])
+        self.check(said, "the input is no blocked volume")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program", nargs="+")
+    parser.add_argument("--plugins", nargs=2, required=True)
+    parser.add_argument("--volumes", required=True)
+    parser.add_argument("--output", required=True)
+    parser.add_argument("--library", required=True)
+    arguments = parser.parse_args()
+    shutil.rmtree(arguments.output, ignore_errors=True)
+    arguments.site = os.path.join(arguments.output, "site")
+    os.makedirs(arguments.site)
+    with open(os.path.join(arguments.site, "sitecustomize.py"), "w") as file:
+        file.write(SITE)
+    unittest.main(argv=sys.argv[:1])
