@@ -23,16 +23,21 @@ std::string FindOwnFolder()
   return isKnown ? std::filesystem::path(info.dli_fname).parent_path().string() : std::string();
 }
 
-/// Whether all of a library is there. The loader maps what the header tells: of a part the process would die.
+/// Whether all of a library is there, up to the header of the last section. The loader maps what the first
+/// header tells: of a part the process would die.
 bool IsWhole(const std::string& path)
 {
   ElfW(Ehdr) header = {};
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const auto size = static_cast<std::uint64_t>(file.tellg());
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(&header), sizeof(header));
-  return !file ||
-    header.e_shoff + std::uint64_t{ header.e_shentsize } * header.e_shnum <= size;
+  ElfW(Shdr) last = {};
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(&header), sizeof(header)) || header.e_shnum == 0)
+  {
+    return true; // the loader tells what it is
+  }
+  file.seekg(static_cast<std::streamoff>(
+    header.e_shoff + std::uint64_t{ header.e_shentsize } * (header.e_shnum - 1u)));
+  file.read(reinterpret_cast<char*>(&last), sizeof(last));
+  return file && last.sh_type != SHT_NULL;
 }
 
 } // namespace

@@ -241,15 +241,17 @@ def _check_file(path: str) -> None:
     """Raises an OSError unless all of the library is there, for this processor. The loader maps what the header tells:
     of a part of a library the process would die."""
     with open(path, "rb") as file:
-        header, size = file.read(64), file.seek(0, os.SEEK_END)
-    if len(header) < 64 or header[:4] != b"\x7fELF":
-        raise OSError("it is damaged, or no library")
-    machine, sections, entry_size, count = struct.unpack_from("=H20xQ10xHH", header, 18)
+        header = file.read(64)
+        if len(header) < 64 or header[:4] != b"\x7fELF":
+            raise OSError("it is damaged, or no library")
+        machine, sections, entry_size, count = struct.unpack_from("=H20xQ10xHH", header, 18)
+        file.seek(min(sections + entry_size * max(count - 1, 0), 1 << 62))
+        last = file.read(entry_size)  # header of a section: what a library ends with
     built_for = {62: "x86_64", 183: "aarch64"}.get(machine, os.uname().machine)
     if built_for != os.uname().machine:
         raise OSError(f"it is for {built_for}, and this processor is {os.uname().machine}")
-    if sections + entry_size * count > size:
-        raise OSError(f"it is damaged: it has {size} bytes, and not {sections + entry_size * count}")
+    if len(last) < entry_size or not any(last):
+        raise OSError("it is damaged: its end is missing")
 
 
 def _find_functions(library: ctypes.CDLL) -> Any:
