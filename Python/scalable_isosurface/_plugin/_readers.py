@@ -2,13 +2,11 @@
 """The readers."""
 
 import contextlib
-import itertools
 import os
-import weakref
 
 import numpy
 from vtkmodules import vtkCommonDataModel as model
-from vtkmodules.vtkCommonCore import vtkDataArray, vtkDoubleArray, vtkInformation, vtkInformationIntegerKey
+from vtkmodules.vtkCommonCore import vtkDataArray, vtkDoubleArray, vtkInformation
 from vtkmodules.vtkCommonCore import vtkInformationVector
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline as Pipeline
 
@@ -18,11 +16,6 @@ from ._arrays import add_array, add_texts, find_piece, make_image, MEBIBYTE, set
 from ._arrays import VTK_VERSION
 from ._definitions import RAW_EXTENSIONS
 from ._polygons import add_box, fill_surface
-
-#: Of the output of a reader: its number in `readers`.
-VOLUME = vtkInformationIntegerKey.MakeKey("VOLUME", "ScalableIsosurface")
-readers = weakref.WeakValueDictionary()
-numbers = itertools.count(1)
 
 
 class Reader(Algorithm):
@@ -88,8 +81,6 @@ class vtkBlockedVolumeReader(Reader):
         self._opened_for = None
         self._text = ""
         self.arrays = {}  # chosen ones
-        self._number = next(numbers)
-        readers[self._number] = self
 
     # The file.
 
@@ -170,9 +161,6 @@ class vtkBlockedVolumeReader(Reader):
             return 0
         steps = [step for step, time in enumerate(self.file.times) if time is not None and time <= info.Get(key)]
         return steps[-1] if steps else 0
-
-    def tell(self, info):
-        info.Set(VOLUME, self._number)
 
     def finish(self):
         """Waits until the volume is exact."""

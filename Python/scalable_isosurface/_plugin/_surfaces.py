@@ -15,7 +15,7 @@ from .. import _library
 from ._algorithm import Algorithm
 from ._arrays import store_units, to_vtk, VTK_VERSION
 from ._polygons import add_box, fill_surface, summarise
-from ._readers import readers, VOLUME, vtkInPlaceVolumeReader
+from ._readers import vtkBlockedVolumeReader, vtkInPlaceVolumeReader
 
 #: Hounsfield units.
 BONE = 300.0
@@ -31,9 +31,8 @@ class Consumer(Algorithm):
         algorithm = self
         while algorithm.GetNumberOfInputConnections(port):
             algorithm, port = algorithm.GetInputAlgorithm(port, 0), 0
-            info = algorithm.GetOutputInformation(0)
-            if info.Has(VOLUME):
-                return readers.get(info.Get(VOLUME))
+            if isinstance(algorithm, vtkBlockedVolumeReader):
+                return algorithm
             if not (algorithm.IsA("vtkPVPostFilter") or algorithm.IsA("vtkPassThrough")):
                 break
         return None
