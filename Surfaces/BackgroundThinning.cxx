@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BackgroundThinning.h"
 
-#include "Ground/Base/ThreadPriority.h"
+#include "Ground/Base/BackgroundTask.h"
 #include "vtkAbstractArray.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"

@@ -7,7 +7,7 @@
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/Coding.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
-#include "Storage/Store/VolumeSpectra.h"
+#include "Storage/Store/SpectraFile.h"
 
 #include <algorithm>
 #include <string>

@@ -16,6 +16,13 @@ namespace isosurface
 {
 
 /**
+ * Gives the calling thread, and those that it starts, about a third of the processor time of other
+ * threads of the process where there are not enough processors for all. On Linux; elsewhere, and if
+ * the system refuses, threads stay as they are.
+ */
+void LowerThreadPriority();
+
+/**
  * Work beside the calling thread: it begins when the object is made. Its threads have a lower
  * priority than the calling one where the system knows priorities of threads (Linux), so that what
  * a user waits for goes first. The destructor stops the work and waits until it has stopped: until

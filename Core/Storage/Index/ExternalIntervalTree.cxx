@@ -290,7 +290,7 @@ Status ExternalIntervalTree::Verify(PageStatistics& statistics) const
   {
     ISOSURFACE_RETURN_IF_ERROR(this->File->ReadPage(page, statistics).GetStatus());
   }
-  return IntervalTreeVerification(*this->File, this->Header, statistics).Run();
+  return VerifyIntervalTree(*this->File, this->Header, statistics);
 }
 
 } // namespace isosurface

@@ -6,7 +6,6 @@
 #include "Ground/Base/PagedFile.h"
 #include "Ground/Base/Status.h"
 #include "Storage/Index/IntervalTreeFormat.h"
-#include "Storage/Index/KeyInterval.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -6,7 +6,7 @@
 #include "Ground/Base/PagedFile.h"
 #include "Ground/Base/Status.h"
 #include "Storage/Index/IntervalSorter.h"
-#include "Storage/Index/KeyInterval.h"
+#include "Storage/Index/IntervalTreeFormat.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -4,7 +4,7 @@
 
 #include "Ground/Base/PagedFile.h"
 #include "Ground/Base/Status.h"
-#include "Storage/Index/KeyInterval.h"
+#include "Ground/Volume/ValueKey.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +13,22 @@
 
 namespace isosurface
 {
+
+/**
+ * A closed interval [Minimum, Maximum] of keys with a payload: usually the value range of a block
+ * and its number within its store.
+ */
+struct KeyInterval
+{
+  ValueKey Minimum = 0;
+  ValueKey Maximum = 0;
+  std::uint32_t Payload = 0;
+
+  bool Overlaps(ValueKey low, ValueKey high) const
+  {
+    return this->Minimum <= high && this->Maximum >= low;
+  }
+};
 
 /**
  * The contents of the pages of an external interval tree and their bytes, drawn in

@@ -2,6 +2,7 @@
 #include "Storage/Spectrum/BlockMeasure.h"
 
 #include "Ground/Base/ProcessorClones.h"
+#include "Ground/Volume/Vector3.h"
 
 #include <algorithm>
 #include <cmath>
@@ -115,18 +116,6 @@ struct CellShape
     return *std::max_element(this->Faces.begin(), this->Faces.end());
   }
 };
-
-using Vector3 = std::array<double, 3>;
-
-double Dot(const Vector3& a, const Vector3& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector3 Cross(const Vector3& a, const Vector3& b)
-{
-  return { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
-}
 
 /// Whether the axes are of length 1 and perpendicular but for rounding, as those of a turned grid are.
 bool ArePerpendicular(const std::array<double, 9>& direction)

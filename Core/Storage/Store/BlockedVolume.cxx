@@ -3,16 +3,185 @@
 
 #include "Ground/Base/Stopwatch.h"
 #include "Ground/Base/WithinMemory.h"
-#include "Storage/Store/BlockReading.h"
+#include "Storage/Record/BlockRecord.h"
+#include "Storage/Record/DecodedBlock.h"
+#include "Storage/Store/BlockStore.h"
+#include "Storage/Store/StoreRecords.h"
 #include "Storage/Store/VolumeStores.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace isosurface
 {
+namespace
+{
+
+/// Reads variables of one block at one level, each through the block cache.
+class BlockReading
+{
+public:
+  /// The references must outlive this object.
+  BlockReading(VolumeStores& stores, BlockCache& cache, const BlockReference& reference,
+    std::size_t timeStep, const StoredLevel& stored, QueryStatistics& statistics)
+    : Stores(stores)
+    , Cache(cache)
+    , Reference(reference)
+    , TimeStep(timeStep)
+    , Stored(stored)
+    , Statistics(statistics)
+  {
+  }
+
+  /// Declares the variables that Get() will be called for, so that one read can fetch several
+  /// components.
+  void Announce(const std::vector<std::size_t>& variables)
+  {
+    const ArrayVariables& all = this->Stores.GetLayout().GetVariables();
+    for (const std::size_t variable : variables)
+    {
+      this->Announced.insert(variable);
+      const std::size_t array = all[variable].Array;
+      if (!all[variable].IsMagnitude())
+      {
+        this->Needed.insert(variable);
+      }
+      else if (!this->IsCached(variable))
+      {
+        for (int component = 0; component < all.GetComponents(array); ++component)
+        {
+          this->Needed.insert(all.GetFirst(array) + static_cast<std::size_t>(component));
+        }
+      }
+    }
+  }
+
+  Result<std::shared_ptr<const DecodedBlock>> Get(std::size_t variable)
+  {
+    const Variable& wanted = this->Stores.GetLayout().GetVariables()[variable];
+    if (this->Stores.GetLayout().IsInSource(this->Stored))
+    {
+      // The cache has the chunks, of which a block is soon gathered again.
+      return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array)
+                                  : this->ReadComponent(variable);
+    }
+    bool hit = false;
+    auto block = this->Cache.Get(
+      this->MakeKey(variable),
+      [&]
+      {
+        return wanted.IsMagnitude() ? this->MakeMagnitude(wanted.Array)
+                                    : this->ReadComponent(variable);
+      },
+      hit);
+    this->Statistics.BlockCacheHits += hit && block.IsOk() ? 1 : 0;
+    return block;
+  }
+
+  /// Adds the ranges of bytes that will be read for the announced variables.
+  void FindRanges(const BlockStore& store, std::vector<StoreRecords::ByteRange>& ranges) const
+  {
+    for (auto component = this->Needed.begin(); component != this->Needed.end();)
+    {
+      if (this->IsCached(*component))
+      {
+        ++component;
+        continue;
+      }
+      const std::size_t end = this->FindEndOfRead(*component);
+      const auto range = store.FindAdjacent(
+        this->Reference.Ordinal, *component, end - *component, this->Stored.Level);
+      if (range)
+      {
+        ranges.push_back(*range);
+      }
+      component = this->Needed.lower_bound(end);
+    }
+  }
+
+private:
+  using Block = std::shared_ptr<const DecodedBlock>;
+
+  BlockCacheKey MakeKey(std::size_t variable) const
+  {
+    return this->Stores.GetLayout().MakeKey(
+      this->Reference.Block, this->TimeStep, variable, this->Stored);
+  }
+  bool IsCached(std::size_t variable) const
+  {
+    return this->Cache.Contains(this->MakeKey(variable));
+  }
+  /// Returns the end of the components from `component` on that one read fetches. At levels
+  /// above 0 a read fetches `component` alone, since the bytes between components are not needed.
+  std::size_t FindEndOfRead(std::size_t component) const
+  {
+    std::size_t end = component + 1;
+    while (this->Stored.Level == 0 && this->Needed.count(end) != 0 && this->Found.count(end) == 0 &&
+      !this->IsCached(end))
+    {
+      ++end;
+    }
+    return end;
+  }
+
+  /// Also reads the next components of the record, if they are announced.
+  Result<Block> ReadComponent(std::size_t component)
+  {
+    const auto found = this->Found.find(component);
+    if (found != this->Found.end())
+    {
+      return found->second;
+    }
+    const std::size_t end = this->FindEndOfRead(component);
+    const StoreReplica replica = { static_cast<std::uint32_t>(this->TimeStep), this->Stored.Part,
+      this->Reference.Store, this->Reference.Replica };
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto blocks,
+      this->Stores.ReadReplicas(replica, this->Reference.Ordinal,
+        [&](BlockStore& store)
+        {
+          return store.ReadAdjacent(this->Reference.Ordinal, this->Reference.Block, component,
+            end - component, this->Stored.Level, this->Statistics);
+        }));
+    for (std::size_t n = 0; n < blocks.size(); ++n)
+    {
+      this->Found[component + n] = blocks[n];
+    }
+    return blocks.front();
+  }
+
+  /// Components that were not announced do not enter the cache, where they would displace others.
+  Result<Block> MakeMagnitude(std::size_t array)
+  {
+    const ArrayVariables& all = this->Stores.GetLayout().GetVariables();
+    DecodedBlocks components;
+    for (int number = 0; number < all.GetComponents(array); ++number)
+    {
+      const std::size_t component = all.GetFirst(array) + static_cast<std::size_t>(number);
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto block,
+        this->Announced.count(component) != 0 || this->IsCached(component)
+          ? this->Get(component)
+          : this->ReadComponent(component));
+      components.push_back(block);
+    }
+    return std::shared_ptr<const DecodedBlock>(MakeMagnitudeBlock(components));
+  }
+
+  VolumeStores& Stores;
+  BlockCache& Cache;
+  const BlockReference& Reference;
+  std::size_t TimeStep;
+  StoredLevel Stored;
+  QueryStatistics& Statistics;
+  std::set<std::size_t> Announced;    ///< variables
+  std::set<std::size_t> Needed;       ///< the components among them, and those of magnitudes
+  std::map<std::size_t, Block> Found; ///< components that were read
+};
+
+} // namespace
 BlockedVolume::BlockedVolume(VolumeLayout layout, FileSystem& files,
   const std::shared_ptr<BlockCache>& cache, VolumeOpener opener)
   : VolumeLayout(std::move(layout))

@@ -8,7 +8,6 @@
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Storage/Store/BlockCache.h"
-#include "Storage/Store/BlockReference.h"
 #include "Storage/Store/QueryStatistics.h"
 #include "Storage/Store/StoreFaults.h"
 #include "Storage/Store/StoreSearch.h"

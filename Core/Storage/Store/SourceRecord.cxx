@@ -5,7 +5,6 @@
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/JsonDocument.h"
-#include "Storage/Store/SourceFiles.h"
 
 #include <algorithm>
 #include <filesystem>

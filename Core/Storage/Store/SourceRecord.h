@@ -17,6 +17,15 @@
 namespace isosurface
 {
 
+/// Files that samples are read from, and their state when that began.
+struct SourceFiles
+{
+  std::vector<std::string> Paths; ///< OpenedVolume::Files
+  FileState State;
+
+  static Result<SourceFiles> Find(FileSystem& files, std::vector<std::string> paths);
+};
+
 /**
  * Where the samples at full resolution of a time step are, if the blocked volume itself has none
  * (a volume in place): in a file of another format, as it was when it was indexed. Or, as "copyOf",

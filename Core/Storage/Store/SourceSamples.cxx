@@ -4,6 +4,7 @@
 #include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Volume/VolumeName.h"
+#include "Storage/Record/BlockRecord.h"
 #include "Storage/Record/BlockSegment.h"
 
 #include <algorithm>
@@ -18,28 +19,6 @@ namespace
 
 /// BlockCacheKey::Level of chunks, which no level of blocks has.
 constexpr std::uint32_t ChunkLevel = std::numeric_limits<std::uint32_t>::max();
-
-/// Copies what two boxes have in common. The samples of both are x fastest, without gaps.
-void CopyPart(const std::uint8_t* from, const VertexBox& fromBox, const VertexBox& toBox,
-  std::size_t size, std::uint8_t* to)
-{
-  const VertexBox part = fromBox.Intersect(toBox);
-  const auto place = [&part, size](const VertexBox& box, std::int64_t j, std::int64_t k)
-  {
-    const Index3 extent = box.GetSize();
-    return static_cast<std::size_t>(part.Low[0] - box.Low[0] +
-             extent[0] * (j - box.Low[1] + extent[1] * (k - box.Low[2]))) *
-      size;
-  };
-  const std::size_t bytes = static_cast<std::size_t>(part.High[0] - part.Low[0]) * size;
-  for (std::int64_t k = part.Low[2]; k < part.High[2]; ++k)
-  {
-    for (std::int64_t j = part.Low[1]; j < part.High[1]; ++j)
-    {
-      std::memcpy(to + place(toBox, j, k), from + place(fromBox, j, k), bytes);
-    }
-  }
-}
 
 } // namespace
 
@@ -157,26 +136,14 @@ Result<SourceSamples::Chunk> SourceSamples::DecodeChunk(Array& array, const Vert
     return Status(StatusCode::Corrupt, this->Name + ": has other samples than it states");
   }
   const std::size_t size = GetValueSize(array.Type);
-  const Index3 extent = box.GetSize();
   auto decoded = std::make_shared<DecodedBlock>();
   decoded->Bytes = Buffer<std::uint8_t>(
     static_cast<std::size_t>(box.GetNumberOfVertices()) * array.Components * size);
   std::uint8_t* to = decoded->Bytes.GetData();
   for (const SampleView& view : samples.Arrays)
   {
-    const auto* first = static_cast<const std::uint8_t*>(view.First);
-    for (std::int64_t k = box.Low[2]; k < box.High[2]; ++k)
-    {
-      for (std::int64_t j = box.Low[1]; j < box.High[1]; ++j)
-      {
-        const std::ptrdiff_t row = (box.Low[0] - view.Available.Low[0]) * view.Stride[0] +
-          (j - view.Available.Low[1]) * view.Stride[1] +
-          (k - view.Available.Low[2]) * view.Stride[2];
-        CopySamples(
-          to, 1, first + row * static_cast<std::ptrdiff_t>(size), view.Stride[0], extent[0], size);
-        to += static_cast<std::size_t>(extent[0]) * size;
-      }
-    }
+    CopyBox(view, box, box, to);
+    to += static_cast<std::size_t>(box.GetNumberOfVertices()) * size;
   }
   this->GiveBack(array, std::move(source));
   return Chunk(std::move(decoded));
@@ -221,8 +188,9 @@ Status SourceSamples::CopyChunk(Array& array, const Index3& chunk, std::size_t c
   const std::size_t size = GetValueSize(array.Type);
   const VertexBox whole = this->FindChunkBox(array, chunk);
   const auto plane = static_cast<std::size_t>(whole.GetNumberOfVertices()) * size;
-  CopyPart(
-    decoded->Bytes.GetData() + (component - array.FirstComponent) * plane, whole, box, size, to);
+  const SampleView view = MakeSampleView(
+    array.Type, whole, decoded->Bytes.GetData() + (component - array.FirstComponent) * plane);
+  CopyBox(view, whole.Intersect(box), box, to);
   return Status::Ok();
 }
 
@@ -333,6 +301,27 @@ Status SourceSamples::Read(
     ISOSURFACE_RETURN_IF_ERROR(this->CopyChunk(array, chunk, component, box, to, statistics));
   }
   return Status::Ok();
+}
+
+Status GatherSegment(SourceSamples& source, const BlockGrid& grid, const BlockDirectoryEntry& entry,
+  const std::string& path, std::size_t component, const std::uint8_t* header, std::uint8_t* segment,
+  QueryStatistics& statistics)
+{
+  constexpr std::size_t headerSize = BlockRecord::SegmentHeaderSize;
+  const VertexBox box = grid.GetGhostedVertices(entry.Block, 0);
+  const std::size_t bytes =
+    static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(source.GetType(component));
+  if (entry.Lengths[component] != bytes)
+  {
+    return Status(StatusCode::Corrupt,
+      path + ": block " + std::to_string(entry.Block) +
+        " has an impossible length in the directory");
+  }
+  std::memcpy(segment, header, headerSize);
+  ISOSURFACE_RETURN_IF_ERROR(source.Read(component, box, segment + headerSize, statistics));
+  const Status status = CheckSegment(
+    segment, entry.Lengths[component], { entry.Block, static_cast<std::uint32_t>(component), 0 });
+  return status.IsOk() ? status : source.MakeChanged(entry.Block);
 }
 
 } // namespace isosurface

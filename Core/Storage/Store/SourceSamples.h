@@ -4,11 +4,13 @@
 
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Status.h"
+#include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/VertexBox.h"
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Record/DecodedBlock.h"
 #include "Storage/Store/BlockCache.h"
+#include "Storage/Store/BlockDirectory.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/QueryStatistics.h"
 
@@ -145,6 +147,16 @@ private:
   std::vector<std::size_t> ArrayOf; ///< per component
   std::mutex Mutex;                 ///< of Array::Idle
 };
+
+/**
+ * Makes the segment of a component of a block of a volume in place: its `header`, which the store
+ * has, and the samples from the source. `segment` has room for both. The block has one level, whose
+ * samples are not compressed. `path`: the file with the header, for messages. Corrupt if the samples
+ * are not those that were indexed; the error names the source.
+ */
+Status GatherSegment(SourceSamples& source, const BlockGrid& grid, const BlockDirectoryEntry& entry,
+  const std::string& path, std::size_t component, const std::uint8_t* header, std::uint8_t* segment,
+  QueryStatistics& statistics);
 
 } // namespace isosurface
 

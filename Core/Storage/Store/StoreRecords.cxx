@@ -4,7 +4,7 @@
 #include "Ground/Base/Buffer.h"
 #include "Storage/Record/BlockRecord.h"
 #include "Storage/Record/RecordCodec.h"
-#include "Storage/Store/SourceSegment.h"
+#include "Storage/Store/SourceSamples.h"
 
 #include <algorithm>
 #include <utility>

@@ -4,7 +4,7 @@
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSelection.h"
-#include "Storage/Store/BlockReference.h"
+#include "Storage/Store/VolumeLayout.h"
 #include "Storage/Store/QueryStatistics.h"
 
 #include <cstddef>

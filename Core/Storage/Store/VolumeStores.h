@@ -10,7 +10,7 @@
 #include "Storage/Store/StoreFaults.h"
 #include "Storage/Store/StoreSearch.h"
 #include "Storage/Store/VolumeLayout.h"
-#include "Storage/Store/VolumeSpectra.h"
+#include "Storage/Store/SpectraFile.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -9,7 +9,6 @@
 #include "Storage/Record/BlockRecord.h"
 #include "Storage/Record/BlockSegment.h"
 #include "Storage/Record/RecordCodec.h"
-#include "Storage/Store/SourceSegment.h"
 
 #include <algorithm>
 #include <limits>

@@ -3,7 +3,6 @@
 
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Verification/MergedStore.h"
-#include "Storage/Verification/StoreCheck.h"
 
 #include <cstddef>
 

@@ -3,8 +3,8 @@
 
 #include "Ground/Base/ParallelFor.h"
 #include "Storage/Store/SourceSamples.h"
-#include "Storage/Store/VolumeSpectra.h"
-#include "Storage/Verification/StoreCheck.h"
+#include "Storage/Store/SpectraFile.h"
+#include "Storage/Verification/MergedStore.h"
 #include "Storage/Verification/StoreVerification.h"
 
 #include <algorithm>

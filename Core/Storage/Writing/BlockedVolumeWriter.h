@@ -14,7 +14,7 @@
 #include "Storage/Record/BlockCompression.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
 #include "Storage/Store/FinishedBlocks.h"
-#include "Storage/Store/SourceFiles.h"
+#include "Storage/Store/SourceRecord.h"
 
 #include <cstdint>
 #include <functional>

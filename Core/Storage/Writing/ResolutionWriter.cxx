@@ -9,7 +9,6 @@
 #include "Storage/Record/RecordCodec.h"
 #include "Storage/Store/FinishedBlocks.h"
 #include "Storage/Store/SpectraFile.h"
-#include "Storage/Store/VolumeSpectra.h"
 #include "Storage/Writing/BlockShipment.h"
 #include "Storage/Writing/BlockStoreWriter.h"
 
