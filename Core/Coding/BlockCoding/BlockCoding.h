@@ -3,8 +3,11 @@
 #define isosurface_BlockCoding_h
 
 #include "Coding/BlockCoding/AttributeCoder.h"
-#include "Coding/BlockCoding/BlockModel.h"
+#include "Coding/BlockCoding/CrossingCoder.h"
 #include "Coding/BlockCoding/CrossingIntervals.h"
+#include "Coding/BlockCoding/EdgeIndexProfile.h"
+#include "Coding/BlockCoding/SignCoder.h"
+#include "Coding/BlockCoding/ValueCoder.h"
 #include "Coding/BlockCoding/ValueDomain.h"
 #include "Coding/EntropyCoding/RangeCoder.h"
 #include "Coding/Prediction/SignRows.h"
@@ -15,6 +18,30 @@
 
 namespace isosurface
 {
+
+/// All probabilities and weights of a block; they learn while it is coded.
+struct BlockModel
+{
+  explicit BlockModel(EdgeIndexProfile profile)
+    : Profile(profile)
+    , Signs(profile == EdgeIndexProfile::Small)
+    , Values(profile == EdgeIndexProfile::Small)
+    , Crossings(profile == EdgeIndexProfile::Small)
+  {
+  }
+
+  /// Makes the model ready for another block: forgets what was learnt about signs, and about values
+  /// if `forValues`, else about crossings.
+  void Reset(bool forValues);
+
+  EdgeIndexProfile Profile;
+  SignModel Signs;
+  ValueModel Values; ///< of the profile small only
+  CrossingModel Crossings;
+};
+
+/// A model as at the start of each block; made once.
+const BlockModel& GetFreshModel(EdgeIndexProfile profile);
 
 /// Gives a block's signs and numbers to an encoder, or takes them from a decoder.
 class BlockValues

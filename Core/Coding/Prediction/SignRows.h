@@ -42,8 +42,6 @@ struct SignRow
   }
   /// The bits of the vertices x - 2 .. x + 2, lowest first.
   std::uint32_t GetWindow(int x) const { return this->GetBits(x - 2) & 31; }
-  /// The bits of the vertices x - 3 .. x + 3, lowest first.
-  std::uint32_t GetWideWindow(int x) const { return this->GetBits(x - 3) & 127; }
   /// Bit x of the result is bit x - 1, or x + 1, of the row.
   SignRow ShiftUp() const
   {
