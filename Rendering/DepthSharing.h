@@ -5,7 +5,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
 #include "Ranks/Compositing/FramePlanner.h"
-#include "Ranks/Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 #include "Surface/Drawing/SharedDepths.h"
 
 #include <functional>

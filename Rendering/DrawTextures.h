@@ -2,7 +2,7 @@
 #ifndef isosurface_DrawTextures_h
 #define isosurface_DrawTextures_h
 
-#include "Ranks/Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include <cstdint>
 

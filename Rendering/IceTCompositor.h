@@ -4,7 +4,6 @@
 
 #include "Ranks/Compositing/DisplayLayout.h"
 #include "Ranks/Compositing/Image.h"
-#include "Ranks/Compositing/Viewport.h"
 
 #include "vtkSynchronizedRenderers.h"
 

@@ -3,7 +3,7 @@
 #define isosurface_SceneProjection_h
 
 #include "Ranks/Compositing/FramePlanner.h"
-#include "Ranks/Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include "vtkSmartPointer.h"
 

@@ -4,7 +4,7 @@
 
 #include "Ground/Base/Status.h"
 #include "Ranks/Compositing/Image.h"
-#include "Ranks/Compositing/Viewport.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include "vtkSmartPointer.h"
 

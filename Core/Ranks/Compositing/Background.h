@@ -2,7 +2,7 @@
 #ifndef isosurface_Background_h
 #define isosurface_Background_h
 
-#include "Ranks/Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include <cstdint>
 #include <vector>

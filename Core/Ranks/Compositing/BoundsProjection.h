@@ -2,7 +2,7 @@
 #ifndef isosurface_BoundsProjection_h
 #define isosurface_BoundsProjection_h
 
-#include "Ranks/Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include <array>
 

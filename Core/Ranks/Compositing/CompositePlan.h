@@ -3,7 +3,6 @@
 #define isosurface_CompositePlan_h
 
 #include "Ranks/Compositing/DisplayLayout.h"
-#include "Ranks/Compositing/Viewport.h"
 
 #include <cstddef>
 #include <vector>

@@ -4,7 +4,7 @@
 
 #include "Ground/Base/Communicator.h"
 #include "Ranks/Compositing/ResolutionChooser.h"
-#include "Ranks/Compositing/Viewport.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include <cstdint>
 #include <vector>

@@ -2,7 +2,7 @@
 #ifndef isosurface_Image_h
 #define isosurface_Image_h
 
-#include "Ranks/Compositing/PixelRectangle.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,7 +3,6 @@
 #define isosurface_ViewportOutlines_h
 
 #include "Ranks/Compositing/DisplayLayout.h"
-#include "Ranks/Compositing/Viewport.h"
 
 #include <cstdint>
 #include <vector>

@@ -213,24 +213,23 @@ Status JoinIslands(Communicator& ranks, std::vector<SharedPoint> points,
       return Status::Ok();
     })));
   std::vector<Message> incoming = ranks.Exchange(std::move(outgoing));
-  Message mine;
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(NoMemoryForIslands,
-    [&]
-    {
-      mine = PackMeetings(FindMeetings(incoming));
-      incoming = {};
-      return Status::Ok();
-    })));
-  std::vector<Message> all = ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto all,
+    GatherFromAll(ranks, NoMemoryForIslands,
+      [&](Message& mine)
+      {
+        mine = PackMeetings(FindMeetings(incoming));
+        incoming = {};
+        return Status::Ok();
+      }));
   std::optional<IslandGroups> groups;
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(Attempt(NoMemoryForIslands,
-    [&]
-    {
-      groups.emplace(UnpackMeetings(all));
-      mine = PackMeasures(*groups, rank, measures);
-      return Status::Ok();
-    })));
-  all = ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(all,
+    GatherFromAll(ranks, NoMemoryForIslands,
+      [&](Message& mine)
+      {
+        groups.emplace(UnpackMeetings(all));
+        mine = PackMeasures(*groups, rank, measures);
+        return Status::Ok();
+      }));
   return ranks.Agree(Attempt(NoMemoryForIslands,
     [&]
     {

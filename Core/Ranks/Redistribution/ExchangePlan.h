@@ -6,7 +6,7 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockGrid.h"
 #include "Ground/Volume/GridGeometry.h"
-#include "Ranks/Redistribution/BlockDescription.h"
+#include "Ranks/Redistribution/ArrivingBlocks.h"
 
 #include <array>
 #include <cstddef>

@@ -8,7 +8,6 @@
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
 #include "Ranks/Redistribution/ArrivingBlocks.h"
-#include "Ranks/Redistribution/BlockDescription.h"
 #include "Ranks/Redistribution/ExchangePlan.h"
 #include "Surface/Contour/Surface.h"
 

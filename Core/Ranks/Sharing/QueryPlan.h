@@ -5,7 +5,7 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Status.h"
 #include "Ranks/Sharing/BlockClaims.h"
-#include "Storage/Store/BlockReference.h"
+#include "Storage/Store/VolumeLayout.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/QueryStatistics.h"
 

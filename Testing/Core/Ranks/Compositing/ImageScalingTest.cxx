@@ -2,7 +2,7 @@
 // Images that are upsampled smoothly or averaged, beside sums in floating point.
 #include "Ranks/Compositing/ImageScaling.h"
 
-#include "Ranks/Compositing/Viewport.h"
+#include "Ranks/Compositing/DisplayLayout.h"
 
 #include <gtest/gtest.h>
 
