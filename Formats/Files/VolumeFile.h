@@ -10,7 +10,7 @@
 #include "Ground/Volume/GridLines.h"
 #include "Ground/Volume/GridPlace.h"
 #include "Ground/Volume/VertexBox.h"
-#include "Storage/Store/SourceFiles.h"
+#include "Storage/Store/SourceRecord.h"
 
 #include <cstddef>
 #include <cstdint>

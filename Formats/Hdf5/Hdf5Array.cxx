@@ -2,7 +2,6 @@
 #include "Formats/Hdf5/Hdf5File.h"
 #include "Formats/Hdf5/Hdf5Handle.h"
 #include "Formats/Hdf5/Hdf5LinkedFiles.h"
-#include "Formats/Source/ChunkCacheSize.h"
 
 #include <zlib.h>
 

@@ -2,13 +2,15 @@
 #include "Formats/Hdf5/Hdf5File.h"
 
 #include "Formats/Hdf5/Hdf5LinkedFiles.h"
-#include "Formats/Hdf5/Hdf5Walk.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -16,6 +18,132 @@ namespace isosurface
 {
 namespace
 {
+
+constexpr std::size_t MaximumObjectsOfList = 10000;
+/// Programs may open as many within seconds.
+constexpr std::size_t MaximumObjects = 100000;
+
+/**
+ * Goes through the groups of a file, by name. Each group is opened from the one around it: the
+ * library would look up every path from the start, which takes minutes for thousands of groups in
+ * one another. The lock is held.
+ */
+class Hdf5Walk
+{
+public:
+  static constexpr std::size_t MaximumDepth = 32; ///< of groups in one another
+  /// Has a dataset, and its path. An error ends the walk.
+  using Visitor = std::function<Status(const Hdf5Handle& dataset, const std::string& path)>;
+
+  /// Visits each dataset once, whatever the cycles, and no other file. What is deeper than
+  /// MaximumDepth, or behind the first 10,000 objects, is left out.
+  static Status VisitOnce(const Hdf5Handle& file, Hdf5LinkedFiles& links, const Visitor& visit)
+  {
+    Hdf5Walk walk(links, visit, true);
+    H5O_info_t info = {};
+    if (links.FindObject(file.Get(), "/", info))
+    {
+      walk.Known.insert(info.addr);
+    }
+    return walk.EnterGroup(links.OpenGroup(file.Get(), "/"));
+  }
+
+  /// Visits each dataset by every path, through all links: as a program does that knows no cycles.
+  /// Error: what is refused, of which that program has to be kept away; it begins with a path.
+  static Status VisitAll(const Hdf5Handle& file, Hdf5LinkedFiles& links, const Visitor& visit)
+  {
+    return Hdf5Walk(links, visit, false).EnterGroup(links.OpenGroup(file.Get(), "/"));
+  }
+
+private:
+  Hdf5Walk(Hdf5LinkedFiles& links, const Visitor& visit, bool isOnce)
+    : Links(links)
+    , Visit(visit)
+    , IsOnce(isOnce)
+  {
+  }
+
+  static herr_t Enter(hid_t group, const char* name, const H5L_info_t* info, void* walk)
+  {
+    auto* self = static_cast<Hdf5Walk*>(walk);
+    const std::size_t size = self->Path.size();
+    self->Path += std::string("/") + name;
+    self->Outcome = self->EnterObject(group, name, info->type);
+    self->Path.resize(size);
+    return !self->Outcome.IsOk() || (self->IsOnce && self->Objects > MaximumObjectsOfList) ? 1 : 0;
+  }
+
+  Status EnterGroup(const Hdf5Handle& group)
+  {
+    hsize_t at = 0;
+    ++this->Depth;
+    const herr_t code =
+      ::H5Literate(group.Get(), H5_INDEX_NAME, H5_ITER_INC, &at, Hdf5Walk::Enter, this);
+    --this->Depth;
+    return code >= 0 ? this->Outcome : this->MakeError(StatusCode::Corrupt, FindHdf5Reason());
+  }
+
+  Status EnterObject(hid_t group, const std::string& name, H5L_type_t link)
+  {
+    ++this->Objects;
+    if (this->IsOnce && (link != H5L_TYPE_HARD || this->Objects > MaximumObjectsOfList))
+    {
+      return Status::Ok();
+    }
+    if (this->Objects > MaximumObjects)
+    {
+      return this->MakeError(StatusCode::Unsupported,
+        "the file has more than " + std::to_string(MaximumObjects) + " objects");
+    }
+    H5O_info_t info = {};
+    if (!this->Links.FindObject(group, name, info))
+    {
+      const std::string& refusal = Hdf5LinkedFiles::GetRefusal();
+      return !refusal.empty() ? this->MakeError(StatusCode::Unsupported, refusal)
+        : this->IsOnce        ? this->MakeError(StatusCode::Corrupt, FindHdf5Reason())
+                              : Status::Ok(); // a link to nothing
+    }
+    return this->IsOnce && !this->Known.insert(info.addr).second
+      ? Status::Ok()
+      : this->EnterKind(group, name, info.type);
+  }
+
+  Status EnterKind(hid_t group, const std::string& name, H5O_type_t kind)
+  {
+    if (kind == H5O_TYPE_DATASET)
+    {
+      const Hdf5Handle dataset = this->Links.OpenDataset(group, name);
+      return dataset.IsOpen() ? this->Visit(dataset, this->Path)
+                              : this->MakeError(StatusCode::Corrupt, FindHdf5Reason());
+    }
+    if (kind != H5O_TYPE_GROUP)
+    {
+      return Status::Ok();
+    }
+    if (this->Depth < MaximumDepth)
+    {
+      return this->EnterGroup(this->Links.OpenGroup(group, name));
+    }
+    return this->IsOnce
+      ? Status::Ok()
+      : this->MakeError(StatusCode::Unsupported,
+          "its groups are in one another, deeper than " + std::to_string(MaximumDepth));
+  }
+
+  Status MakeError(StatusCode code, const std::string& reason) const
+  {
+    return Status(code, (this->Path.empty() ? "/" : this->Path) + ": cannot be read: " + reason);
+  }
+
+  Hdf5LinkedFiles& Links;
+  const Visitor& Visit;
+  bool IsOnce;
+  std::size_t Objects = 0;
+  std::size_t Depth = 0;
+  std::string Path;
+  std::set<haddr_t> Known; ///< addresses of objects
+  Status Outcome = Status::Ok();
+};
 
 /// A number, or a list of at most 4096; null of other attributes.
 nlohmann::json DescribeNumbers(const Hdf5Handle& attribute)

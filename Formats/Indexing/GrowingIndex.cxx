@@ -117,14 +117,13 @@ Status GrowingIndex::GatherSamples(Communicator& ranks)
     return Status::Ok();
   }
   this->GatheredSteps = steps;
-  Message mine;
-  ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, this->Index.Source,
-    [&]
-    {
-      mine = this->Collector->Pack(this->CommonSlices);
-      return Status::Ok();
-    }));
-  const std::vector<Message> messages = ranks.AllGather(mine);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto messages,
+    GatherFromAll(ranks, this->Index.Source,
+      [&](Message& mine)
+      {
+        mine = this->Collector->Pack(this->CommonSlices);
+        return Status::Ok();
+      }));
   return AttemptOnAll(ranks, this->Index.Source,
     [&]
     {

@@ -4,7 +4,7 @@
 #include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
-#include "Formats/Source/FileNames.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Zarr/JsonField.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Volume/VolumeName.h"

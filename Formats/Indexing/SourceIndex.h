@@ -60,7 +60,7 @@ bool CanBeIndexed(FileSystem& files, const std::string& chosen);
 std::vector<std::string> ListVolumes(FileSystem& files, const std::string& chosen);
 
 /// Whether `chosen` is a file of which only a person may know what its samples are, and says so as its
-/// `dataset`: "512x512x300,uint16" (RawSamples.h).
+/// `dataset`: "512x512x300,uint16" (PlainFormats.h).
 bool IsRawSource(FileSystem& files, const std::string& chosen);
 
 /// The values that are black and white in the images of a DICOM series, as the first image with a window

@@ -333,14 +333,13 @@ Result<SourceSample> ReadSourceSample(Communicator& ranks, FileSystem& files,
   {
     Sampler sampler(ranks, files, index, limits, progress);
     ISOSURFACE_RETURN_IF_ERROR(sampler.Read());
-    Message tiles;
-    ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, index.Source,
-      [&]
-      {
-        tiles = sampler.PackTiles();
-        return Status::Ok();
-      }));
-    const std::vector<Message> messages = ranks.AllGather(tiles);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto messages,
+      GatherFromAll(ranks, index.Source,
+        [&](Message& tiles)
+        {
+          tiles = sampler.PackTiles();
+          return Status::Ok();
+        }));
     auto sample = Attempt(index.Source, [&] { return sampler.MakeVolume(messages); });
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(sample.GetStatus()));
     return sample;

@@ -4,7 +4,6 @@
 #include "Formats/Hdf5/Hdf5File.h"
 #include "Formats/Hdf5/Hdf5Handle.h"
 #include "Formats/Netcdf/NetcdfClassicHeader.h"
-#include "Formats/Source/ChunkCacheSize.h"
 #include "Ground/Base/FileSystem.h"
 
 #include <netcdf.h>

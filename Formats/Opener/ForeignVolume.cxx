@@ -2,7 +2,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 
 #include "Formats/Opener/VolumeFormat.h"
-#include "Formats/Source/FileNames.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/SliceFiles.h"
 
 #include <algorithm>

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Opener/VolumeFormat.h"
 
-#include "Formats/Plain/MrcVolume.h"
-#include "Formats/Plain/NiftiVolume.h"
-#include "Formats/Plain/RawSamples.h"
-#include "Formats/Plain/RawVolume.h"
-#include "Formats/Source/FileNames.h"
+#include "Formats/Plain/PlainFormats.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/FormatModule.h"
 #include "Formats/Source/SliceFiles.h"
 #include "Formats/Zarr/ZarrVolume.h"

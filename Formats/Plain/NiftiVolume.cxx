@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Plain/NiftiVolume.h"
+#include "Formats/Plain/PlainFormats.h"
 
 #include "Formats/Plain/RawVolume.h"
 #include "Formats/Source/AxisUnits.h"
 #include "Formats/Source/BinaryHeader.h"
 #include "Formats/Source/ConvertedSource.h"
-#include "Formats/Source/FileNames.h"
+#include "Formats/Source/FolderFiles.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Plain/NrrdHeader.h"
+#include "Formats/Plain/RawVolume.h"
 
 #include "Formats/Source/AxisUnits.h"
-#include "Formats/Source/HeaderLines.h"
 #include "Formats/Source/TextFields.h"
 
 #include <algorithm>

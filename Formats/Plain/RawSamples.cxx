@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Formats/Plain/RawSamples.h"
+#include "Formats/Plain/PlainFormats.h"
 
 #include "Formats/Plain/RawVolume.h"
-#include "Formats/Source/FileNames.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/TextFields.h"
 #include "Ground/Base/Coding.h"
 

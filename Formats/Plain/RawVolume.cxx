@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Plain/RawVolume.h"
 
-#include "Formats/Plain/MetaImageHeader.h"
-#include "Formats/Plain/NrrdHeader.h"
+#include "Formats/Plain/PlainFormats.h"
 #include "Formats/Source/AxisUnits.h"
-#include "Formats/Source/FileNames.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/GzipFile.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Volume/BoxSource.h"

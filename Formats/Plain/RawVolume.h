@@ -46,7 +46,7 @@ struct RawVolume
   /// if there are none, or in a stream.
   std::string DescribeSurplus(FileSystem& files, std::uint64_t known = 0) const;
 
-  /// Reads a header by its extension: .mhd, .mha (MetaImageHeader.h), .nrrd, .nhdr (NrrdHeader.h).
+  /// Reads a header by its extension: .mhd, .mha, .nrrd, .nhdr (below).
   /// Unsupported for others.
   static Result<RawVolume> ReadHeader(FileSystem& files, const std::string& path);
 
@@ -56,9 +56,33 @@ private:
     FileSystem& files, const std::string& path, std::uint64_t bytes) const;
 };
 
-/// Opens a volume whose header RawVolume::ReadHeader() reads.
-Result<OpenedVolume> OpenRawVolume(
-  FileSystem& files, const VolumeName& name, const VolumeChoice& choice);
+/**
+ * Reads the header of a MetaImage (.mhd, or .mha with the samples in the same file). Supported: two
+ * or three dimensions, and more of one sample each; one channel; binary samples in one file
+ * (ElementDataFile = LOCAL or a name) or in a file for each slice or slab (LIST, or a pattern with
+ * first, last and step), also compressed (CompressedData). Unknown fields are ignored. Errors,
+ * which name the field: Unsupported, Corrupt (contradictory).
+ *
+ * TransformMatrix begins with the direction of the x axis, which becomes the first column of
+ * Direction.
+ *
+ * Source: the MetaIO documentation of Kitware's wiki (MetaIO/Documentation).
+ */
+Result<RawVolume> ReadMetaImageHeader(FileSystem& files, const std::string& path);
+
+/**
+ * Reads the header of a NRRD file (.nrrd, or .nhdr with the samples in other files). Supported: two
+ * or three axes of space, and any axes of one sample; one value a sample; encoding raw or gzip; one
+ * file, or a file for each slice or slab (LIST, or a pattern with first, last and step); skipped
+ * lines and bytes. Unknown fields are ignored. Errors, which name the field: Unsupported, Corrupt
+ * (contradictory).
+ *
+ * The spacing is the lengths of the space directions. Coordinates are not converted to another
+ * space.
+ *
+ * Source: the definition of the NRRD file format, teem.sourceforge.net/nrrd/format.html.
+ */
+Result<RawVolume> ReadNrrdHeader(FileSystem& files, const std::string& path);
 
 } // namespace isosurface
 

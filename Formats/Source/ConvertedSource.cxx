@@ -9,19 +9,6 @@
 
 namespace isosurface
 {
-namespace
-{
-
-const std::uint8_t* FindSample(const SampleView& view, const Index3& vertex)
-{
-  const std::ptrdiff_t sample = (vertex[0] - view.Available.Low[0]) * view.Stride[0] +
-    (vertex[1] - view.Available.Low[1]) * view.Stride[1] +
-    (vertex[2] - view.Available.Low[2]) * view.Stride[2];
-  return static_cast<const std::uint8_t*>(view.First) +
-    sample * static_cast<std::ptrdiff_t>(GetValueSize(view.Type));
-}
-
-} // namespace
 
 ValueType FindScaledType(ValueType stored)
 {
@@ -104,10 +91,10 @@ Result<BoxSamples> ConvertedSource::Read(const VertexBox& box)
     {
       for (std::int64_t i = box.Low[0]; i < box.High[0]; i += run)
       {
-        const std::uint8_t* from = FindSample(view, { i, j, k });
+        const void* from = view.AtBytes({ i, j, k });
         if (this->IsHalf)
         {
-          const auto* halves = reinterpret_cast<const std::uint16_t*>(from);
+          const auto* halves = static_cast<const std::uint16_t*>(from);
           std::transform(halves, halves + count, reinterpret_cast<float*>(to), WidenHalf);
         }
         else

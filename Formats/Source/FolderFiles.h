@@ -13,6 +13,13 @@
 namespace isosurface
 {
 
+/// The extension of a file or folder in lower case, ".gz" together with the one before it.
+std::string FindExtension(const std::string& path);
+/// Whether the last part of the path has * or ?, which stand for characters.
+bool IsNamePattern(const std::string& path);
+/// The names in a folder; none if the path is no folder.
+std::vector<std::string> ListNames(FileSystem& files, const std::string& folder);
+
 /// Files that are passed over, and why.
 class PassedOver
 {

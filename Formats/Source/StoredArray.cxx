@@ -5,7 +5,7 @@
 #include "Formats/Source/TextFields.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -122,6 +122,30 @@ Result<ArrayAxes> ArrayAxes::Parse(const std::string& letters, std::size_t rank)
       "its axes cannot be \"" + text + "\": a volume has the axes x, y and z");
   }
   return axes;
+}
+
+ChunkCacheSize FindChunkCacheSize(const StoredArray::Numbers& shape,
+  const StoredArray::Numbers& chunk, std::size_t valueSize, std::uint64_t cacheBytes)
+{
+  constexpr double mostSlots = 1048573;
+  constexpr double mostBytes = 1e15;
+  double chunkBytes = static_cast<double>(valueSize);
+  double slabChunks = 1;
+  for (std::size_t axis = 0; axis < chunk.size(); ++axis)
+  {
+    const auto size = static_cast<double>(std::max<std::int64_t>(1, chunk[axis]));
+    chunkBytes *= size;
+    const bool isWithinSlab = axis + 2 >= chunk.size();
+    slabChunks *= isWithinSlab ? std::ceil(static_cast<double>(shape[axis]) / size) : 1;
+  }
+  ChunkCacheSize cache;
+  cache.ChunkBytes = chunkBytes;
+  const double bytes = std::min(static_cast<double>(cacheBytes), chunkBytes * (slabChunks + 1));
+  cache.Bytes = static_cast<std::size_t>(bytes);
+  cache.Slots =
+    static_cast<std::size_t>(std::min(10 * (std::floor(bytes / chunkBytes) + 1) + 1, mostSlots));
+  cache.HeldBytes = cache.Bytes + static_cast<std::uint64_t>(std::min(2 * chunkBytes, mostBytes));
+  return cache;
 }
 
 } // namespace isosurface

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Zarr/ZarrArray.h"
 
-#include "Formats/Source/ChunkCacheSize.h"
 #include "Formats/Source/ConvertedSource.h"
 
 #include <algorithm>

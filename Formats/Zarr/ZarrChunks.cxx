@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Source/AxisUnits.h"
-#include "Formats/Source/FileNames.h"
+#include "Formats/Source/FolderFiles.h"
 #include "Formats/Zarr/ZarrMetadata.h"
 #include "Formats/Zarr/ZarrVolume.h"
 
