@@ -3,7 +3,6 @@
 #include "BlockVolumeCommands.h"
 #include "BlockVolumeOptions.h"
 #include "Sandbox.h"
-#include "StandardOutput.h"
 #include "StopSignal.h"
 
 #include "vtkMPIController.h"

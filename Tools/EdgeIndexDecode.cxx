@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "EdgeIndexCommands.h"
 #include "Coding/Meshes/MeshFile.h"
-#include "MeshWriteJob.h"
+#include "EdgeIndexCommands.h"
 #include "ProgressDisplay.h"
 
 #include "vtkErrorCode.h"
@@ -11,9 +10,17 @@
 
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
+#include "Coding/Meshes/SurfaceMeshes.h"
+#include "CompressedMesh.h"
 #include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/ParallelFor.h"
 #include "Ground/Base/PrintableText.h"
+#include "Ground/Base/Progress.h"
+#include "Ground/Volume/PointPrecision.h"
+#include "Ground/Volume/Vector3.h"
+#include "Ground/Volume/VertexPlaces.h"
+#include "SharedPoints.h"
+#include "SimplifiedMesh.h"
 #include "Surface/Islands/IslandKeeping.h"
 #include "SurfacePolyData.h"
 
@@ -21,6 +28,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +36,182 @@ namespace isosurface
 {
 namespace
 {
+
+// What a process has before it decodes anything.
+constexpr std::uint64_t ProcessBytes = std::uint64_t{ 80 } << 20;
+// For each point: its arrays, two triangles, and what making, simplifying and compressing them takes.
+constexpr std::uint64_t PointBytes = 100;
+constexpr std::uint64_t SimplifiedPointBytes = 420;
+constexpr std::uint64_t DoublePointBytes = 40; // more
+constexpr std::uint64_t CompressedPointBytes = 220;
+// Of so many, the corners of all triangles have numbers of 32 bits.
+constexpr std::uint64_t MostPoints = 100'000'000;
+
+bool HasNormalsOf(const EdgeIndexHeader& header)
+{
+  return std::any_of(header.Attributes.begin(), header.Attributes.end(),
+    [](const EdgeIndexAttribute& attribute) { return attribute.IsNormals; });
+}
+
+/// Decodes an edge-index file piece by piece into a file of triangles.
+class MeshWriteJob
+{
+public:
+  struct Settings
+  {
+    std::uint64_t NumberOfTriangles = 0; ///< about the number to simplify to; 0: keep all
+    std::uint64_t MemoryMebibytes = 1024;
+    int Threads = 1;
+    bool IsPreview = false;
+    bool IsCompressed = false;
+    double UnitInMetres = 0.001;        ///< the unit of the points; of .glb
+    std::vector<std::size_t> Isovalues; ///< numbers of those to write; none: all
+  };
+
+  /// `file` must outlive the job.
+  MeshWriteJob(const EdgeIndexFile& file, const Settings& settings)
+    : File(file)
+    , Chosen(settings)
+    , HasNormals(HasNormalsOf(file.GetHeader()) && !settings.IsPreview)
+    , Shared(file.GetHeader().Geometry.GetDimensions(),
+        file.GetHeader().ClosedSides.IsEmpty() ? 0 : file.GetHeader().Isovalues.size())
+  {
+    const GridGeometry grid =
+      settings.IsPreview ? file.GetHeader().MakePreview().Geometry : file.GetHeader().Geometry;
+    if (NeedsDoublePoints(grid, nullptr))
+    {
+      this->Origin = VertexPlaces(grid).FindPoint({ 0, 0, 0 });
+    }
+  }
+
+  /// Writes the file that is to be at `path` at `partial`. Errors: those of EdgeIndexFile::Read() and
+  /// MeshFile.
+  Status Write(const std::string& path, const std::string& partial, const Progress& progress)
+  {
+    const std::vector<SurfacePortion> pieces = this->FindPieces();
+    this->PointsInAll = 0;
+    for (const SurfacePortion& piece : pieces)
+    {
+      this->PointsInAll += piece.NumberOfPoints;
+    }
+    const EdgeIndexHeader& header = this->File.GetHeader();
+    MeshFile::Settings settings;
+    settings.Path = path;
+    settings.Partial = partial;
+    settings.MostMeshes = pieces.size() * header.Isovalues.size();
+    settings.HasNormals = this->HasNormals;
+    settings.Compression = this->Chosen.IsCompressed ? &MeshoptimizerCompression : nullptr;
+    settings.UnitInMetres = this->Chosen.UnitInMetres;
+    settings.HasDoublePoints = this->Origin.has_value();
+    settings.Origin = this->Origin.value_or(Vector3{});
+    // A closed surface has two triangles a point.
+    const std::uint64_t kept = this->Chosen.NumberOfTriangles;
+    settings.Triangles = kept > 0 ? std::min(kept, 2 * this->PointsInAll) : 2 * this->PointsInAll;
+    settings.Points = settings.Triangles / 2;
+    const std::string warning =
+      DescribeLackOfRoom(GetLocalFileSystem(), path, MeshFile::EstimateBytes(settings));
+    if (!warning.empty())
+    {
+      std::fprintf(stderr, "edgeindex: warning: %s\n", warning.c_str());
+    }
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      const auto output, MeshFile::Create(GetLocalFileSystem(), header, settings));
+    std::uint64_t done = 0;
+    for (const SurfacePortion& piece : pieces)
+    {
+      const auto all = static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
+      const auto ofPiece = [&](double share)
+      {
+        return progress(
+          (static_cast<double>(done) + share * static_cast<double>(piece.NumberOfPoints)) / all);
+      };
+      ISOSURFACE_RETURN_IF_ERROR(this->WritePiece(piece, *output, ofPiece));
+      done += piece.NumberOfPoints;
+    }
+    return output->Finish();
+  }
+
+  /// From where the float32 points of .stl files count, if float32 does not suffice for places.
+  const std::optional<Vector3>& GetOrigin() const { return this->Origin; }
+  std::uint64_t GetNumberOfPoints() const { return this->Shared.GetNumberOfPoints(); }
+  std::uint64_t GetNumberOfTriangles() const { return this->NumberOfTriangles; }
+  /// Those with a point that is not finite.
+  std::uint64_t GetNumberOfDroppedTriangles() const { return this->NumberOfDroppedTriangles; }
+
+private:
+  std::vector<SurfacePortion> FindPieces() const
+  {
+    if (this->Chosen.IsPreview)
+    {
+      return { { { { 0, 0, 0 }, this->File.GetHeader().Geometry.GetDimensions() }, 1, true } };
+    }
+    const std::uint64_t bytes = this->Chosen.MemoryMebibytes << 20;
+    const std::uint64_t point = this->Chosen.NumberOfTriangles > 0 ? SimplifiedPointBytes
+      : this->Chosen.IsCompressed                                  ? CompressedPointBytes
+                                                                   : PointBytes;
+    return CutSurface(this->File,
+      std::min(MostPoints,
+        (bytes > ProcessBytes ? bytes - ProcessBytes : 1) /
+          (point + (this->Origin ? DoublePointBytes : 0))));
+  }
+
+  Status WritePiece(const SurfacePortion& piece, MeshFile& output, const Progress& progress)
+  {
+    EdgeIndexSelection selection;
+    selection.Preview = this->Chosen.IsPreview;
+    selection.Isovalues = this->Chosen.Isovalues;
+    if (!this->Chosen.IsPreview)
+    {
+      selection.Box = piece.Box;
+    }
+    ContourRequest request;
+    request.GlobalIds = true;
+    request.Normals = this->HasNormals;
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto surface, this->File.Read(selection, request, this->Chosen.Threads, progress));
+    this->NumberOfDroppedTriangles += KeepFiniteTriangles(this->Chosen.Threads, surface);
+    this->Shared.Begin(piece);
+    // A piece has the share of the triangles that it has of the points.
+    const bool isSimplified = this->Chosen.NumberOfTriangles > 0;
+    const double aimOfPiece = static_cast<double>(this->Chosen.NumberOfTriangles) *
+      static_cast<double>(piece.NumberOfPoints) /
+      static_cast<double>(std::max<std::uint64_t>(this->PointsInAll, 1));
+    return VisitMeshes(surface, this->Origin, this->HasNormals,
+      [&](Mesh& mesh)
+      {
+        const auto aim =
+          static_cast<std::size_t>(aimOfPiece * static_cast<double>(mesh.NumberOfTriangles) /
+            static_cast<double>(surface.NumberOfTriangles));
+        mesh.Isovalue =
+          this->Chosen.Isovalues.empty() ? mesh.Isovalue : this->Chosen.Isovalues[mesh.Isovalue];
+        return this->WritePart(mesh, isSimplified ? aim : mesh.NumberOfTriangles, output);
+      });
+  }
+
+  /// Simplifies a mesh to about `triangles`, if it has more, and writes it.
+  Status WritePart(const Mesh& mesh, std::size_t triangles, MeshFile& output)
+  {
+    if (triangles >= mesh.NumberOfTriangles)
+    {
+      this->NumberOfTriangles += mesh.NumberOfTriangles;
+      return output.Append(mesh, this->Shared.Number(mesh));
+    }
+    const SimplifiedMesh simplified(mesh, triangles);
+    const Mesh kept = simplified.Get();
+    this->NumberOfTriangles += kept.NumberOfTriangles;
+    return kept.NumberOfTriangles == 0 ? Status::Ok()
+                                       : output.Append(kept, this->Shared.Number(kept));
+  }
+
+  const EdgeIndexFile& File;
+  Settings Chosen;
+  bool HasNormals;
+  std::optional<Vector3> Origin; ///< the first vertex of the grid, if points are float64
+  std::uint64_t PointsInAll = 0; ///< as the directory counts them
+  SharedPoints Shared;
+  std::uint64_t NumberOfTriangles = 0;
+  std::uint64_t NumberOfDroppedTriangles = 0;
+};
 
 std::string FindEnding(const std::string& path)
 {

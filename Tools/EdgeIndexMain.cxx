@@ -2,7 +2,6 @@
 // edgeindex: prints and checks edge-index files, and decodes them to triangles.
 #include "EdgeIndexCommands.h"
 #include "EdgeIndexOptions.h"
-#include "StandardOutput.h"
 #include "StopSignal.h"
 
 #include "vtkLogger.h"

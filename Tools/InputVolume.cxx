@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "InputVolume.h"
 
-#include "PipelineInput.h"
-
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
 #include "Formats/Source/FolderFiles.h"

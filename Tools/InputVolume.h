@@ -8,7 +8,7 @@
 #include "Ground/Volume/BoxSource.h"
 #include "Ground/Volume/GridGeometry.h"
 #include "Storage/Store/BlockedVolumeHeader.h"
-#include "Storage/Store/SourceFiles.h"
+#include "Storage/Store/SourceRecord.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -43,6 +43,16 @@ struct InputVolume
 /// with the names that the file has.
 Result<std::vector<ArrayDescription>> ChooseArrays(const std::string& path,
   const std::vector<ArrayDescription>& arrays, const std::vector<std::string>& names);
+
+/**
+ * Opens a file with VTK's reader for its file extension. A folder or pattern of PNG, JPEG or BMP files is
+ * a stack of slices, the first row of each at y 0 (as of TIFF); the files of any other pattern are time
+ * steps, of which `step` is opened. A volume of at most `wholeBytes` is read
+ * at once, because many readers always read their whole file. Of a larger one, boxes of its extent
+ * are read; the reader may read more than that. Errors name the file, with VTK's message.
+ */
+Result<InputVolume> OpenPipelineInput(const std::string& path, std::size_t step,
+  const std::vector<std::string>& arrays, bool withCells, std::uint64_t wholeBytes);
 
 } // namespace isosurface
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PipelineFiles.h"
 
-#include "Formats/Source/FileNames.h"
 #include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/SliceFiles.h"
 

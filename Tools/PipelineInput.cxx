@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "PipelineInput.h"
+#include "InputVolume.h"
 
 #include "PipelineFiles.h"
 #include "ReaderCrash.h"

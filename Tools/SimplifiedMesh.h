@@ -12,7 +12,7 @@ namespace isosurface
 {
 
 /// A mesh of fewer triangles, which keeps points of the first one, its topology, and the points at open
-/// sides, so that pieces still meet; see CollapseEdges.
+/// sides, so that pieces still meet.
 class SimplifiedMesh
 {
 public:
