@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqIsovalueChart.h"
 
-#include "ChartMarks.h"
 #include "CountWords.h"
 
 #include <QEvent>
