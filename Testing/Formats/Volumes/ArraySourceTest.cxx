@@ -5,6 +5,7 @@
 #include "Formats/Source/ArraySource.h"
 #include "Formats/Source/ConvertedSource.h"
 #include "Formats/Source/FolderFiles.h"
+#include "Formats/Source/PermutedSource.h"
 #include "Formats/Zarr/ZarrCodec.h"
 #include "Ground/Volume/VolumeName.h"
 
@@ -220,6 +221,20 @@ TEST(ConvertedSource, EveryHalfFloatHasItsValue)
     }
     EXPECT_EQ(std::signbit(value), sign < 0);
   }
+}
+
+TEST(PermutedSource, AxesChangePlaces)
+{
+  const StoredArray::Numbers shape = { 3, 4, 5 };
+  const auto parts =
+    MakeVolumeArrays("a", std::make_shared<MemoryArray>(shape), *ArrayAxes::Parse("", 3), 0);
+  // Its x, y and z become z, x and y.
+  PermutedSource source(std::make_unique<ArraySource>(*parts), { 2, 0, 1 });
+  EXPECT_EQ(source.GetBox().GetSize(), (Index3{ 4, 3, 5 }));
+  const VertexBox box = { { 1, 0, 2 }, { 4, 3, 5 } };
+  const auto slab = source.Read(box);
+  ASSERT_TRUE(slab->Fits({ ValueType::Int32 }, box));
+  EXPECT_EQ(*slab->Arrays[0].At<std::int32_t>({ 3, 1, 4 }), MemoryArray::At(shape, { 1, 3, 4 }));
 }
 
 TEST(VolumeName, SplitsAtTheLastColonBeforeWhichSomethingIs)
