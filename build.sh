@@ -4,7 +4,8 @@
 #   ./build.sh test      build everything and pass all tests (Core with sanitizers, too)
 #   ./build.sh package   make Debian packages in build/release: the plugin, the commands, Python, C++
 #   ./build.sh vtk       build and test the VTK classes beside VTK alone, on a system without ParaView
-#   ./build.sh wheel     make a Python wheel for Linux in build/wheel, in a root folder of Debian 11 (3 GB, needs root)
+#   ./build.sh wheel     make a Python wheel for Linux, and a plugin for any ParaView, in build/wheel (in a root folder of
+#                        Debian 11: 3 GB, needs root)
 #   ./build.sh packages  only install what is needed, for development too
 # The others install what is missing of CMake/debian-packages.txt.
 set -eu
@@ -81,8 +82,10 @@ case "${1:-}" in
   wheel)
     Testing/Systems/on_debian.sh bullseye "${ISOSURFACE_SYSTEMS:-build/systems}" run Packaging/wheel/build.sh
     mkdir -p build/wheel
-    cp "${ISOSURFACE_SYSTEMS:-build/systems}"/bullseye/project/build/wheel/*.whl build/wheel
+    cp "${ISOSURFACE_SYSTEMS:-build/systems}"/bullseye/project/build/wheel/*.whl \
+      "${ISOSURFACE_SYSTEMS:-build/systems}"/bullseye/project/build/wheel/*.zip build/wheel
     echo "Install it: pip install $(echo "$PWD"/build/wheel/*.whl)"
+    echo "For any ParaView, unzip $(echo "$PWD"/build/wheel/*.zip), and load ScalableIsosurface.py"
     ;;
   vtk)
     if dpkg-query -W -f '${Status}' python3-paraview 2>/dev/null | grep -q 'ok installed'; then
@@ -106,7 +109,7 @@ case "${1:-}" in
     say "All tests passed"
     ;;
   *)
-    sed -n '2,9s/^# \{0,1\}//p' "$0"
+    sed -n '2,10s/^# \{0,1\}//p' "$0"
     exit 2
     ;;
 esac

@@ -38,6 +38,22 @@ std::string FindLoadedFile(const Fits& fits)
   return {};
 }
 
+/// The file of a plugin of this name that is loaded, in C++ or Python; empty if none is.
+std::string FindThisPlugin()
+{
+  return FindLoadedFile([](vtkPVPluginTracker& tracker, unsigned int number)
+    { return std::strcmp(tracker.GetPluginName(number), PluginName) == 0; });
+}
+
+void Warn(const std::string& text)
+{
+  auto* ranks = vtkMultiProcessController::GetGlobalController();
+  if (!ranks || ranks->GetLocalProcessId() == 0)
+  {
+    vtkOutputWindow::GetInstance()->DisplayWarningText(text.c_str());
+  }
+}
+
 /// Without a type of its own: clients call it by the name of its base class.
 class TruthfulLoader : public vtkPVPluginLoader
 {
@@ -66,17 +82,22 @@ bool IsLoadedAlready(const char* nameOrFile)
   {
     return false;
   }
-  const std::string loaded = FindLoadedFile([](vtkPVPluginTracker& tracker, unsigned int number)
-    { return std::strcmp(tracker.GetPluginName(number), PluginName) == 0; });
-  auto* ranks = vtkMultiProcessController::GetGlobalController();
-  const bool isTold = !ranks || ranks->GetLocalProcessId() == 0;
-  if (isTold && !loaded.empty() && !std::filesystem::equivalent(file, loaded, error))
+  const std::string loaded = FindThisPlugin();
+  if (!loaded.empty() && !std::filesystem::equivalent(file, loaded, error))
   {
-    const std::string text =
-      file.string() + ": is not loaded, since " + loaded + " is loaded already\n";
-    vtkOutputWindow::GetInstance()->DisplayWarningText(text.c_str());
+    Warn(file.string() + ": is not loaded, since " + loaded + " is loaded already\n");
   }
   return !loaded.empty();
+}
+
+/// The plugin in Python, which is loaded already, cannot keep this one out: only what is loaded after it is asked.
+void WarnOfPluginInPython()
+{
+  const std::string loaded = FindThisPlugin();
+  if (!loaded.empty())
+  {
+    Warn(loaded + ": is loaded already, but from now on the plugin in C++ is used\n");
+  }
 }
 
 /// At work while the plugin's library is loaded.
@@ -86,6 +107,7 @@ public:
   RepeatedLoading()
     : Callback(vtkPVPluginLoader::RegisterLoadPluginCallback(IsLoadedAlready))
   {
+    WarnOfPluginInPython();
     vtkClientServerInterpreterInitializer::GetInitializer()->RegisterCallback(
       [](vtkClientServerInterpreter* interpreter)
       {

@@ -2,6 +2,8 @@
 """The plugin in one file of Python makes what the plugin in C++ makes, bit for bit: one_file_job.py is run with each.
 
     one_file.py --plugins CXX PYTHON --volumes FOLDER --output FOLDER -- PVBATCH...
+
+Where CXX is a file of JSON, the plugin in C++ has run on another system: `--plugins CXX --save FILE` has written it.
 """
 import argparse
 import json
@@ -22,6 +24,9 @@ inspect.getargspec = inspect.getfullargspec
 
 def run(program, plugin, volumes, output):
     """The lines of the jobs, by their names."""
+    if plugin.endswith(".json"):
+        with open(plugin) as file:
+            return json.load(file)
     shutil.rmtree(output, ignore_errors=True)
     os.makedirs(output)
     with open(os.path.join(output, "sitecustomize.py"), "w") as file:
@@ -39,14 +44,19 @@ def run(program, plugin, volumes, output):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program", nargs="+")
-    parser.add_argument("--plugins", nargs=2, required=True)
+    parser.add_argument("--plugins", nargs="+", required=True)
     parser.add_argument("--volumes", required=True)
     parser.add_argument("--output", required=True)
+    parser.add_argument("--save", metavar="FILE", help="gets what the plugin in C++ makes")
     arguments = parser.parse_args()
-    expected, found = (
+    expected, *others = (
         run(arguments.program, plugin, arguments.volumes, os.path.join(arguments.output, name))
         for plugin, name in zip(arguments.plugins, ("cxx", "python"))
     )
+    if arguments.save:
+        with open(arguments.save, "w") as file:
+            json.dump(expected, file)
+    found = others[0] if others else expected
     different = [job for job in expected if found.get(job) != expected[job]]
     for job in different:
         print(f"{job}:\n    {json.dumps(expected[job])}\n    {json.dumps(found.get(job))}")

@@ -86,6 +86,10 @@ class Errors(unittest.TestCase):
         cxx, python = arguments.plugins
         self.check(run([load(cxx), load(python)]), python, cxx, "is loaded already")
 
+    def test_the_plugin_in_cxx_that_is_loaded_second_is_told(self):
+        cxx, python = arguments.plugins
+        self.check(run([load(python), load(cxx)]), python, "is loaded already", "the plugin in C++ is used")
+
     def test_damaged_files_are_told_in_one_line(self):
         path = os.path.join(arguments.output, "damaged.bvol")
         with open(path, "w") as file:

@@ -128,6 +128,12 @@ def write_files(wave):
         report(f"{name} written", ranks=digest(simple.Isosurface(Input=written, Isosurfaces=[150.0])))
 
 
+def make_scans():
+    """Where Examples/main_job.py has written them: a head MRI and a CT."""
+    for path in sorted(glob.glob(find_volume("scans/*.bvol"))):
+        report(os.path.basename(path), ranks=digest(simple.Isosurface(Input=simple.OpenDataFile(path))))
+
+
 def index_files():
     """A file of another format, which is indexed first."""
     folder = os.path.join(OUTPUT, "foreign")
@@ -154,6 +160,7 @@ def main():
     make_surfaces(wave, simple.OpenDataFile(find_volume("series.bvol")), vectors)
     make_samples(wave)
     write_files(wave)
+    make_scans()
     index_files()
 
 
