@@ -163,6 +163,10 @@ si_result si_growing_poll(
       }
       Communicator& ranks = call.GetRanks();
       GrowingIndex* const index = growing->Growing.get();
+      if (growing->HasFailed)
+      {
+        return ranks.Agree(index->GetStatus());
+      }
       if (index && !growing->HasEnded)
       {
         growing->HasEnded = index->Advance(ranks, seconds);
@@ -178,12 +182,12 @@ si_result si_growing_poll(
           growing->HasLarger = growing->HasLarger || index->HasLargerSample(ranks);
         }
       }
-      const bool isReady = !index || (growing->HasEnded && !growing->HasFailed);
+      const bool isReady = !index || growing->HasEnded;
       si_growing_state told{};
       told.size = state->size;
-      told.stage = isReady                          ? SI_GROWING_READY
-        : growing->HasLarger && !growing->HasFailed ? SI_GROWING_LARGER
-                                                    : SI_GROWING_WORKS;
+      told.stage = isReady   ? SI_GROWING_READY
+        : growing->HasLarger ? SI_GROWING_LARGER
+                             : SI_GROWING_WORKS;
       told.done = index ? index->GetProgress() : 1;
       told.seconds_left = index ? index->EstimateSeconds() : 0;
       told.share = index && index->GetSample().Volume ? index->GetSample().Share : 1;

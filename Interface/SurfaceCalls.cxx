@@ -241,8 +241,10 @@ si_result si_volume_estimate(
   return RunRequest(volume, request, run,
     [&](Call& call, const TakenRequest& taken) -> Status
     {
-      ISOSURFACE_ASSIGN_OR_RETURN(*triangles,
-        EstimateTriangles(*volume->File, taken.Samples, taken.Surfaces, call.GetProgress()));
+      const auto estimated =
+        EstimateTriangles(*volume->File, taken.Samples, taken.Surfaces, call.GetProgress());
+      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(estimated.GetStatus()));
+      *triangles = *estimated;
       return Status::Ok();
     });
 }
@@ -254,11 +256,11 @@ si_result si_volume_find_blocks(
     [&](Call& call, const TakenRequest& taken) -> Status
     {
       std::string warning;
-      ISOSURFACE_ASSIGN_OR_RETURN(const auto found,
-        FindActiveBlocks(
-          *volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning));
+      const auto found = FindActiveBlocks(
+        *volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning);
+      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(found.GetStatus()));
       call.Warn(warning);
-      return Give(std::make_unique<OwnedBoxes>(found), boxes);
+      return Give(std::make_unique<OwnedBoxes>(*found), boxes);
     });
 }
 

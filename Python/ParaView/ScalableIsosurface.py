@@ -78,6 +78,6 @@ try:
         package = load_package()
         paraview_plugin_version = package.__version__
         Definitions._pvsm_proxy_xml = package._plugin.DEFINITIONS
-except ImportError as error:
+except (ImportError, OSError, SyntaxError) as error:  # of the package, or of the XML in it
     paraview_plugin_name += " (cannot be used)"
     tell("Error", f"is not loaded: {error}")

@@ -201,6 +201,10 @@ def _text(given: bytes) -> str:
     return given.decode("utf-8", "backslashreplace")
 
 
+class Stopped(OSError):
+    """A callback has stopped a call."""
+
+
 def _check(status: int, *_: Any) -> int:
     """Raises what Python calls an error of the library."""
     if status == 0:
@@ -210,7 +214,7 @@ def _check(status: int, *_: Any) -> int:
         raise ValueError(message)
     if status in (2, 4):
         raise OSError(errno.ENOENT if status == 2 else errno.ENOSPC, message)
-    raise {7: MemoryError, 100: RuntimeError}.get(status, OSError)(message)
+    raise {7: MemoryError, 8: Stopped, 100: RuntimeError}.get(status, OSError)(message)
 
 
 def _load() -> Any:
@@ -289,14 +293,22 @@ class Ranks:
         self.rank, self.count, self.all_gather = rank, count, all_gather
 
         def gather(_: Any, mine: int, whole: int, size: int) -> int:
-            all_gather(_find_bytes(mine, size), _find_bytes(whole, size * count))
+            try:
+                all_gather(_find_bytes(mine, size), _find_bytes(whole, size * count))
+            except BaseException:  # pylint: disable=broad-except  # the library tells that ranks do not answer
+                return 1
             return 0
 
         def swap(_: Any, outgoing: Any, sent: Any, incoming: Any, received: Any) -> int:
             for turn in range(count):
                 other = (turn - rank) % count
                 if other != rank:
-                    exchange(other, _find_bytes(outgoing[other], sent[other]), _find_bytes(incoming[other], received[other]))
+                    try:
+                        exchange(
+                            other, _find_bytes(outgoing[other], sent[other]), _find_bytes(incoming[other], received[other])
+                        )
+                    except BaseException:  # pylint: disable=broad-except
+                        return 1
             return 0
 
         self._callbacks = _AllGather(gather), _Exchange(swap)
@@ -398,6 +410,7 @@ class _Call:
     def __exit__(self, *_: Any) -> None:
         if self._raised:  # whoever clears its frames, as unittest does, ends the generators
             raise self._raised[0] from None
+        self._how = _ALONE
         self._idle.append(self)
 
 
@@ -584,11 +597,13 @@ class VolumeFile:
         """Dimensions, spacing, origin, direction, lines or None, chunk, unit of length, first and zero."""
         return _describe(_si.volume_grid(self._owned.pointer, level).contents)
 
-    def read(self, samples: numpy.ndarray, components: Sequence[int], threads: int, **box: Any) -> None:
+    def read(
+        self, samples: numpy.ndarray, components: Sequence[int], threads: int, how: Optional[How] = None, **box: Any
+    ) -> None:
         """`box`: members of si_box."""
         numbers = (c_int32 * len(components))(*components)
         whole = _make_box(component_count=len(components), components=numbers, **box)
-        with _Call.begin(threads, how=self.how.alone) as call:
+        with _Call.begin(threads, how=how or self.how.alone) as call:
             memory = samples.__array_interface__["data"][0]
             _si.volume_read(self._owned.pointer, byref(whole), memory, samples.nbytes, call.run)
 

@@ -22,7 +22,7 @@ def read(path: str, **kwargs: Any) -> Any:
         return opened.isosurface().to_pyvista()
     most = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 3
     level = 0
-    while level + 1 < opened.levels and len(opened.arrays) * opened.level(level).nbytes > most:
+    while level + 1 < opened.levels and sum(opened.array(name).level(level).nbytes for name in opened.arrays) > most:
         level += 1
     if level:
         warnings.warn(f"{path}: its samples take too much memory, so level {level} is read", stacklevel=2)

@@ -57,6 +57,9 @@ def main():
         with open(arguments.save, "w") as file:
             json.dump(expected, file)
     found = others[0] if others else expected
+    if arguments.plugins[0].endswith(".json"):  # there, another release of zstd may have packed a few bytes more
+        for job in (*expected.values(), *found.values()):
+            job.pop("size", None)
     different = [job for job in expected if found.get(job) != expected[job]]
     for job in different:
         print(f"{job}:\n    {json.dumps(expected[job])}\n    {json.dumps(found.get(job))}")

@@ -74,6 +74,11 @@ class Errors(unittest.TestCase):
         shutil.rmtree(os.path.join(os.path.dirname(plugin), "scalable_isosurface"))
         self.check(run([load(plugin)]), "is not loaded", "scalable_isosurface")
 
+    def test_a_missing_document_of_proxies_is_told(self):
+        plugin = self.copy("no_xml")
+        os.remove(os.path.join(os.path.dirname(plugin), "scalable_isosurface", "ScalableIsosurface.xml"))
+        self.check(run([load(plugin)]), "is not loaded", "ScalableIsosurface.xml")
+
     def test_missing_numpy_is_told(self):
         hidden = os.path.join(arguments.output, "hidden")
         os.makedirs(hidden)

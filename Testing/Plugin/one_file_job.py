@@ -29,6 +29,13 @@ def find_volume(name):
     return os.path.join(VOLUMES, name)
 
 
+def write_volume(name):
+    """A blocked volume of a file of VTK."""
+    path = os.path.join(OUTPUT, f"{name}.bvol")
+    simple.SaveData(path, proxy=simple.XMLImageDataReader(FileName=[find_volume(f"{name}.vti")]))
+    return simple.OpenDataFile(path)
+
+
 def digest(source, port=0, time=None):
     """The digests of an output of a source, a dictionary for each rank."""
     stem = os.path.join(OUTPUT, "digest")
@@ -128,6 +135,16 @@ def write_files(wave):
         report(f"{name} written", ranks=digest(simple.Isosurface(Input=written, Isosurfaces=[150.0])))
 
 
+def write_anew():
+    """A volume that is replaced while its reader is there."""
+    reader = write_volume("ct")
+    reader.UpdatePipeline()
+    image = simple.XMLImageDataReader(FileName=[find_volume("vectors.vti")])
+    simple.SaveData(os.path.join(OUTPUT, "ct.bvol"), proxy=image)
+    reader.MemoryLimit = 100
+    report("written anew", ranks=digest(reader))
+
+
 def make_scans():
     """Where Examples/main_job.py has written them: a head MRI and a CT."""
     for path in sorted(glob.glob(find_volume("scans/*.bvol"))):
@@ -154,12 +171,12 @@ def main():
     simple.LoadPlugin(PLUGIN, remote=True, ns=vars(simple))
     wave = simple.OpenDataFile(find_volume("wave.bvol"))
     report("arrays", arrays=list(wave.PointArrayStatus))
-    path = os.path.join(OUTPUT, "vectors.bvol")
-    simple.SaveData(path, proxy=simple.XMLImageDataReader(FileName=[find_volume("vectors.vti")]))
-    vectors = simple.OpenDataFile(path)
+    vectors, ct = (write_volume(name) for name in ("vectors", "ct"))
+    report("the isovalue that is proposed for a CT", isovalues=list(simple.Isosurface(Input=ct).Isosurfaces))
     make_surfaces(wave, simple.OpenDataFile(find_volume("series.bvol")), vectors)
     make_samples(wave)
     write_files(wave)
+    write_anew()
     make_scans()
     index_files()
 

@@ -117,7 +117,7 @@ rm -rf "$input"
 mkdir -p "$input/volumes" "$input/site"
 cp "$wheel" "$zip" "$input"
 cp -r "$build"/Testing/Plugin/Volumes/wave.* "$build"/Testing/Plugin/Volumes/series.bvol \
-  "$build"/Testing/Plugin/Volumes/.*.bvol.stores "$build"/Testing/Plugin/Volumes/vectors.vti \
+  "$build"/Testing/Plugin/Volumes/.*.bvol.stores "$build"/Testing/Plugin/Volumes/*.vti \
   "$build"/Testing/Plugin/Volumes/large.zarr "$input/volumes"
 rm -rf "$input"/volumes/*.mhd.bvol "$input"/volumes/.*.mhd.bvol.stores
 "$here/../../Examples/run_main_job.sh" "$build" "$input/volumes/scans" 1 >/dev/null

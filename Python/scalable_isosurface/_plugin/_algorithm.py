@@ -58,6 +58,10 @@ class Failure(Exception):
     """What is told of the first rank that failed."""
 
 
+#: In place of an error, where the user has stopped the work.
+STOPPED = "The user has stopped it."
+
+
 class Algorithm(VTKPythonAlgorithmBase):
     """Has the properties of the XML in `values`, by their names."""
 
@@ -129,6 +133,10 @@ class Algorithm(VTKPythonAlgorithmBase):
         made, error = None, ""
         try:
             made = work()
+        except Failure:  # which all ranks have
+            raise
+        except _library.Stopped:
+            error = STOPPED
         except Exception as raised:  # pylint: disable=broad-except
             error = describe(raised)
         errors = [text for text in gather_text(self.ranks, error) if text]
@@ -147,7 +155,7 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def fail(self, outputs, error):
         """Tells an error, and nothing else; a stop is none."""
-        stopped = error.endswith("a callback has stopped it")
+        stopped = error == STOPPED
         if not stopped and (self.ranks is None or self.ranks.rank == 0):
             tell_error(error)
         for port in range(outputs.GetNumberOfInformationObjects()):

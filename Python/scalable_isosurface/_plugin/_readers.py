@@ -11,7 +11,7 @@ from vtkmodules.vtkCommonCore import vtkInformationVector
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandDrivenPipeline as Pipeline
 
 from .. import _library
-from ._algorithm import Algorithm, describe, tell_error
+from ._algorithm import Algorithm, describe, gather_text, tell_error
 from ._arrays import add_array, add_texts, find_piece, make_image, MEBIBYTE, set_times, store_units, to_texts, to_vtk
 from ._arrays import VTK_VERSION
 from ._definitions import RAW_EXTENSIONS
@@ -101,7 +101,8 @@ class vtkBlockedVolumeReader(Reader):
     def open(self, path):
         """Opens a volume, unless it is open."""
         place = self.place()
-        wanted = (self.name(path), repr(place))
+        state = os.stat(path) if os.path.isfile(path) else None  # a file that is written anew is opened anew
+        wanted = (self.name(path), repr(place), state and (state.st_ino, state.st_mtime_ns, state.st_size))
         if self._opened_for == wanted and self.file:
             return
         self.file = self._opened_for = None
@@ -156,11 +157,7 @@ class vtkBlockedVolumeReader(Reader):
     # The pipeline.
 
     def find_step(self, info):
-        key = Pipeline.UPDATE_TIME_STEP()
-        if not self.file or not info.Has(key):
-            return 0
-        steps = [step for step, time in enumerate(self.file.times) if time is not None and time <= info.Get(key)]
-        return steps[-1] if steps else 0
+        return find_step(info, self.file.times) if self.file else 0
 
     def finish(self):
         """Waits until the volume is exact."""
@@ -183,6 +180,7 @@ class vtkBlockedVolumeReader(Reader):
         return None, None
 
     def fill(self, info, output):
+        self.file.how = self.how  # not that of a filter that has used the file
         self._info = info
         chosen = self.list_arrays()
         step = self.find_step(info)
@@ -233,6 +231,13 @@ class vtkBlockedVolumeReader(Reader):
             values.GetInformation().Set(key, of_all)
 
 
+def find_step(info, times):
+    """The last step that is not behind the time that is asked for."""
+    key = Pipeline.UPDATE_TIME_STEP()
+    steps = [step for step, time in enumerate(times) if info.Has(key) and time is not None and time <= info.Get(key)]
+    return steps[-1] if steps else 0
+
+
 def find_slab(grid, piece, pieces):
     """The vertices of a piece: layers of chunks on the longest axis."""
     dimensions, chunk = numpy.array(grid[0]), numpy.array(grid[5])
@@ -261,7 +266,7 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
     def __init__(self):
         super().__init__()
         self._datasets = None
-        self._growing = None
+        self._growing = self._growing_step = self._failed = None
         self._times = []
 
     def name(self, path):
@@ -304,7 +309,7 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
         opened = self._opened_for
         super().open(path)
         if self._opened_for != opened:
-            self._growing, self._times = None, self.file.times
+            self._growing, self._failed, self._times = None, None, self.file.times
 
     def list_times(self):
         return self._times
@@ -314,15 +319,19 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
 
     def prepare(self, info):
         """Opens the index, which is written first; or a sample, while it is written."""
+        step = find_step(info, self._times)
+        if self._growing and step != self._growing_step:
+            self._growing = None  # what is written of the index is kept
+            self.file = self.open_file(self.place())
         if self._growing:
             self.take()
-        elif not self.is_indexed():
+        elif any(gather_text(self.ranks, "" if self.is_indexed() else "some rank has no index")):
             name, axes, folder = self.name(self.path)
             given = os.fsencode(name), axes, os.fsencode(folder)
             memory = self.values["IndexMemory"] * MEBIBYTE
             where = folder or os.path.dirname(os.path.abspath(self.path))
             if self.ranks is None and (Algorithm.polled or not os.access(where, os.W_OK)):
-                step = self.find_step(info)
+                self._failed, self._growing_step = None, step
                 self._growing = _library.GrowingFile(*given, step, memory, self.how, **self.place())
                 self.take(None if Algorithm.polled else 0.1)
             else:
@@ -330,20 +339,29 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
                 self.file = self.open_file(self.place())
 
     def finish(self):
+        if self._failed:
+            raise self._failed
         if self._growing:
             self.take(0.1)
             self.Modified()
 
     def take(self, wait=None):
         """The volume as far as it is there; all of it with `wait`."""
-        stage, done, self._sample = self._growing.poll(wait or 0)
+        stage, done, self._sample = self.poll(wait or 0)
         while wait and stage != 2:
-            stage, done, self._sample = self._growing.poll(wait)
+            stage, done, self._sample = self.poll(wait)
             if self._advance(done):
-                raise RuntimeError("a callback has stopped it")
+                raise _library.Stopped("The index is not finished.")
         self.file = self._growing.take()
         if stage == 2:
             self._growing = None
+
+    def poll(self, wait=0):
+        try:
+            return self._growing.poll(wait)
+        except Exception as error:  # what is shown stays a sample
+            self._growing, self._failed = None, error
+            raise
 
     def fill(self, info, output):
         super().fill(info, output)
@@ -355,9 +373,8 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
         Algorithm.polled = True
         if self._growing:
             try:
-                stage, *_ = self._growing.poll()
-            except Exception as error:  # pylint: disable=broad-except  # the sample stays
-                self._growing = None
+                stage, *_ = self.poll()
+            except Exception as error:  # pylint: disable=broad-except
                 tell_error(describe(error))
                 return False
             if stage:

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Isosurface and Contour Spectrum."""
 
+import atexit
 import contextlib
 import math
 import os
 import threading
+import weakref
 
 import numpy
 from vtkmodules import vtkCommonDataModel as model
@@ -65,7 +67,8 @@ class Consumer(Algorithm):
     def GetUnit(self):
         reader = self.find_reader()
         with contextlib.suppress(Exception):
-            return reader.file.arrays[self.find_scalar(reader.file, 0)[0]][3]
+            array = reader.file.arrays[self.find_scalar(reader.file, 0)[0]]
+            return array[3] or ("HU" if array[0] == "HU" else "")
         return ""
 
     def GetProposal(self):
@@ -206,6 +209,9 @@ class vtkStabbingContour(Consumer):
 class Work:
     """A surface that is extracted beside the main thread."""
 
+    #: Those that may be at work when Python ends.
+    living: "weakref.WeakSet[Work]" = weakref.WeakSet()
+
     def __init__(self, wanted, file, request):
         self.wanted = wanted
         self._made = self._error = None
@@ -220,6 +226,7 @@ class Work:
 
         self.thread = threading.Thread(target=extract, daemon=True)
         self.thread.start()
+        self.living.add(self)
 
     def is_done(self):
         self.thread.join(0.005)  # ParaView's main thread may keep the GIL otherwise
@@ -232,6 +239,14 @@ class Work:
         if self._error:
             raise self._error
         return self._made
+
+
+@atexit.register
+def end_all_work():
+    """A thread that comes back to a Python that has ended would end the process."""
+    for work in list(Work.living):
+        work.stop()
+        work.thread.join()
 
 
 class vtkContourSpectrum(Consumer):

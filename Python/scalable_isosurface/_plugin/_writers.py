@@ -198,7 +198,8 @@ class Box:
         low, high = ([getattr(part, end) for part in key[::-1]] for end in ("start", "stop"))
         shape = [part.stop - part.start for part in key] + ([self._components] if self._components > 1 else [])
         samples = numpy.empty(shape, self._kind)
-        self._file.read(samples, range(self._components), 0, low=tuple(low), high=tuple(high), **self._box)
+        # The library asks for samples in threads of its own, where nobody may learn of progress.
+        self._file.read(samples, range(self._components), 0, _library.How(), low=tuple(low), high=tuple(high), **self._box)
         return samples
 
 
