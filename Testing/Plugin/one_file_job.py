@@ -142,7 +142,7 @@ def write_anew():
     image = simple.XMLImageDataReader(FileName=[find_volume("vectors.vti")])
     simple.SaveData(os.path.join(OUTPUT, "ct.bvol"), proxy=image)
     reader.MemoryLimit = 100
-    report("written anew", ranks=digest(reader))
+    report("written anew", ranks=digest(simple.Isosurface(Input=reader, ContourBy=["POINTS", "RTData"], Isosurfaces=[150.0])))
 
 
 def make_scans():

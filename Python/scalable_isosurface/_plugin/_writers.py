@@ -175,8 +175,9 @@ class vtkBlockedVolumeWriter(Writer):
 
     def list_samples(self, image):
         data, dimensions = image.GetPointData(), image.GetDimensions()[::-1]
-        for number in range(data.GetNumberOfArrays()):
-            array = data.GetArray(number)
+        arrays = [data.GetArray(number) for number in range(data.GetNumberOfArrays())]
+        # The active scalars come first: they decide which store a block goes to, and what is contoured.
+        for array in sorted(arrays, key=lambda array: array is not data.GetScalars()):
             if not array or array.GetName() == model.vtkDataSetAttributes.GhostArrayName():
                 continue
             samples = numpy_support.vtk_to_numpy(array)
