@@ -12,7 +12,8 @@ import sys
 from paraview import servermanager, simple
 
 plugin, volumes, expected, image, _, server = sys.argv[1:7]
-simple.Connect(*server.split(":"))
+host, port = server.split(":")
+simple.Connect(host, int(port))
 simple.LoadPlugin(plugin, remote=True, ns=vars(simple))
 simple.LoadPlugin(plugin, remote=False, ns=vars(simple))
 contour = simple.Isosurface(Input=simple.OpenDataFile(os.path.join(volumes, "wave.bvol")))

@@ -23,9 +23,12 @@ check() {
 
 # Runs beside a server of two ranks, with which the script connects.
 run_with_server() {
-  mpirun --oversubscribe -n 2 pvserver --server-port=11199 >"$output/server.log" 2>&1 &
+  timeout 200 xvfb-run -a -s -noreset mpirun --oversubscribe -n 2 pvserver --server-port=11199 >"$output/pvserver.log" 2>&1 &
   server=$!
-  "$@" --server localhost:11199
+  timeout 150 "$@" --server localhost:11199 || {
+    kill $server
+    return 1
+  }
   wait $server
 }
 
@@ -116,7 +119,7 @@ input=$folder/any-paraview
 rm -rf "$input"
 mkdir -p "$input/volumes" "$input/site"
 cp "$wheel" "$zip" "$input"
-cp -r "$build"/Testing/Plugin/Volumes/wave.* "$build"/Testing/Plugin/Volumes/series.bvol \
+cp -r "$build"/Testing/Plugin/Volumes/wave.[!v]* "$build"/Testing/Plugin/Volumes/series.bvol \
   "$build"/Testing/Plugin/Volumes/.*.bvol.stores "$build"/Testing/Plugin/Volumes/*.vti \
   "$build"/Testing/Plugin/Volumes/large.zarr "$input/volumes"
 rm -rf "$input"/volumes/*.mhd.bvol "$input"/volumes/.*.mhd.bvol.stores
