@@ -13,8 +13,8 @@ import unittest
 
 import scalable_isosurface
 
-MODULES = ("_arguments", "_edge_index", "_indexing", "_library", "_opening", "_pyvista", "_surface", "_volume",
-           "_writing")
+MODULES = ("_arguments", "_edge_index", "_functions", "_indexing", "_library", "_opening", "_pyvista", "_surface",
+           "_volume", "_writing")
 PAGE = sys.argv[1]
 WRONG = (
     "volume.nothing",
