@@ -267,7 +267,7 @@ def start_programs(who, is_cold):
     from vtkmodules.vtkFiltersSources import vtkSphereSource
 
     if who == "ours":
-        import scalable_isosurface  # noqa: F401
+        from scalable_isosurface import vtkInPlaceVolumeReader, vtkIsosurfaceMapper, vtkStabbingContour  # noqa: F401
     else:
         import h5py  # noqa: F401
         import zarr  # noqa: F401
