@@ -41,6 +41,20 @@ def run(program, plugin, volumes, output):
     return {line.pop("job"): line for line in lines}
 
 
+def find_kind_of_surfaces(jobs):
+    """Of VTK's versions: the width of corners, and the last bits of normals, are those of the contour filters there."""
+    version = jobs.get("VTK", {"version": 902})["version"]
+    return (version >= 902) + (version >= 904)
+
+
+def leave_out(found, names):
+    """Drops members at any depth."""
+    for one in found.values() if isinstance(found, dict) else found if isinstance(found, list) else ():
+        leave_out(one, names)
+    for name in names if isinstance(found, dict) else ():
+        found.pop(name, None)
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program", nargs="+")
@@ -60,6 +74,10 @@ def main():
     if arguments.plugins[0].endswith(".json"):  # there, another release of zstd may have packed a few bytes more
         for job in (*expected.values(), *found.values()):
             job.pop("size", None)
+        if find_kind_of_surfaces(expected) != find_kind_of_surfaces(found):
+            leave_out([expected, found], ("Normals", "polygons", "lines"))
+        for jobs in (expected, found):
+            jobs.pop("VTK", None)
     different = [job for job in expected if found.get(job) != expected[job]]
     for job in different:
         print(f"{job}:\n    {json.dumps(expected[job])}\n    {json.dumps(found.get(job))}")

@@ -13,6 +13,7 @@ import shutil
 import sys
 
 from paraview import simple
+from vtkmodules.vtkCommonCore import vtkVersion
 
 PLUGIN, VOLUMES, OUTPUT = sys.argv[1:4]
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -169,6 +170,7 @@ def index_files():
 
 def main():
     simple.LoadPlugin(PLUGIN, remote=True, ns=vars(simple))
+    report("VTK", version=100 * vtkVersion.GetVTKMajorVersion() + vtkVersion.GetVTKMinorVersion())
     wave = simple.OpenDataFile(find_volume("wave.bvol"))
     report("arrays", arrays=list(wave.PointArrayStatus))
     vectors, ct = (write_volume(name) for name in ("vectors", "ct"))

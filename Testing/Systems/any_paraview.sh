@@ -81,10 +81,14 @@ if [ "$1" = inside ]; then # a root folder
   export PYTHONPATH="$input/site"
   pvbatch='xvfb-run -a -s -noreset pvbatch'
   for ranks in 1 3; do
+    # LoadPlugin in pvbatch of ParaView 5.9 reaches the first rank alone.
+    [ $ranks = 1 ] || [ "$(cut -d . -f 1 /etc/debian_version)" != 11 ] ||
+      export PV_PLUGIN_PATH="$(dirname "$plugin")"
     check "surfaces-$ranks" xvfb-run -a -s -noreset python3 -B "$plugin_tests/one_file.py" \
       --plugins "$input/expected$ranks.json" "$plugin" --volumes "$volumes" --output "$output/surfaces$ranks" \
       -- mpirun --oversubscribe -n "$ranks" pvbatch
   done
+  unset PV_PLUGIN_PATH
   check server run_with_server xvfb-run -a -s -noreset pvpython "$plugin_tests/one_file_server.py" \
     "$plugin" "$volumes" "$input/expected1.json" "$output/server.png"
   for volume in large.zarr slices/0.dcm; do

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What all algorithms of the plugin have."""
 
+import functools
+
 import numpy
 from vtkmodules import vtkCommonDataModel as model
 from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
-from vtkmodules.vtkCommonCore import vtkOutputWindow
+from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkWeakReference
 from vtkmodules.vtkCommonExecutionModel import vtkDemandDrivenPipeline, vtkExecutive
 
 from .. import _library
@@ -62,46 +64,70 @@ class Failure(Exception):
 STOPPED = "The user has stopped it."
 
 
+def list_commands(properties):
+    """The functions that set properties of an algorithm, by their names."""
+    commands = {}
+    for element in properties:
+        name, command = element.get("name"), element.get("command")
+        if takes_value(element):
+            is_repeated = element.get("repeat_command") == "1"
+            commands[command] = functools.partial(put, name, is_repeated)
+            commands[element.get("clean_command", "")] = functools.partial(resize, name, count=0)
+            commands[element.get("set_number_command", "")] = functools.partial(resize, name)
+    return commands
+
+
+def takes_value(element):
+    is_told = element.get("information_only") == "1" or element.tag in ("InputProperty", "Property")
+    return element.get("command") and not is_told
+
+
+def put(name, is_repeated, algorithm, *given):
+    given = tuple("" if one is None else one for one in given)  # ParaView's "" of Python
+    value = algorithm.values[name]
+    if is_repeated and len(given) == 2:  # at an index, or of a name
+        value[given[0]] = given[1]
+    elif is_repeated:
+        value.append(given[0])
+    else:
+        given = given[0] if len(given) == 1 else given
+        if given == value:
+            return
+        algorithm.values[name] = given
+    if name not in algorithm.unseen:
+        algorithm.Modified()
+
+
+def resize(name, algorithm, count):
+    algorithm.values[name] = (algorithm.values[name] + [0.0] * count)[:count]
+    algorithm.Modified()
+
+
+COMMANDS = {name: list_commands(properties) for name, properties in PROPERTIES.items()}
+
+
+def make_how(algorithm):
+    """How calls run for an algorithm. Who has that keeps no algorithm: what an algorithm has of Python is beyond the
+    garbage collector. A weakref does not do: VTK makes objects of Python anew for the same algorithm."""
+    reference = vtkWeakReference()
+    reference.Set(algorithm)
+
+    def call(name, *given):
+        there = reference.Get()
+        return getattr(there, name)(*given) if there else 0
+
+    return _library.How(algorithm.ranks, functools.partial(call, "advance"), functools.partial(call, "warn"))
+
+
 class Algorithm(VTKPythonAlgorithmBase):
-    """Has the properties of the XML in `values`, by their names."""
+    """Has the properties of the XML in `values`, by their names. Nothing that an algorithm has may refer to it."""
 
     def __init__(self, inputs=0, outputs=1, **types):
-        self.values, self._commands = {}, {}
+        properties = PROPERTIES[type(self).__name__]
+        self.values = {element.get("name"): parse_default(element) for element in properties if takes_value(element)}
         super().__init__(nInputPorts=inputs, nOutputPorts=outputs, **types)
-        for element in PROPERTIES[type(self).__name__]:
-            self._take_property(element)
         self.ranks = find_ranks()
-        self.how = _library.How(self.ranks, self._advance, self._warn)
-
-    def _take_property(self, element):
-        name, command = element.get("name"), element.get("command")
-        if not command or element.get("information_only") == "1" or element.tag in ("InputProperty", "Property"):
-            return
-        self.values[name] = parse_default(element)
-        is_repeated = element.get("repeat_command") == "1"
-
-        def put(*given):
-            given = tuple("" if one is None else one for one in given)  # ParaView's "" of Python
-            value = self.values[name]
-            if is_repeated and len(given) == 2:  # at an index, or of a name
-                value[given[0]] = given[1]
-            elif is_repeated:
-                value.append(given[0])
-            else:
-                given = given[0] if len(given) == 1 else given
-                if given == value:
-                    return
-                self.values[name] = given
-            if name not in self.unseen:
-                self.Modified()
-
-        def resize(count):
-            self.values[name] = (self.values[name] + [0.0] * count)[:count]
-            self.Modified()
-
-        self._commands[command] = put
-        self._commands[element.get("clean_command", "")] = lambda: resize(0)
-        self._commands[element.get("set_number_command", "")] = resize
+        self.how = make_how(self)
 
     #: Whether a window has asked for news (GetNeedsUpdate).
     polled = False
@@ -115,15 +141,15 @@ class Algorithm(VTKPythonAlgorithmBase):
 
     def __getattr__(self, name):
         try:
-            return self.__dict__["_commands"][name]
+            return functools.partial(COMMANDS[type(self).__name__][name], self)
         except KeyError:
             raise AttributeError(f"{type(self).__name__} has no {name}") from None
 
-    def _advance(self, done):
+    def advance(self, done):
         self.UpdateProgress(done)
         return int(self.CheckAbort() if hasattr(self, "CheckAbort") else self.GetAbortExecute())
 
-    def _warn(self, text):
+    def warn(self, text):
         if self.ranks is None or self.ranks.rank == 0:
             vtkOutputWindow.GetInstance().DisplayWarningText(f"Warning: {text}\n")
 
@@ -181,8 +207,8 @@ def describe(error):
 def silence(executive):
     """Takes the next error of an executive, which repeats that there is one."""
 
-    def take(_, __, text):
-        executive.RemoveObserver(tag)
+    def take(caller, _, text):
+        caller.RemoveObserver(tag)
         if "returned failure for request" not in text:
             vtkOutputWindow.GetInstance().DisplayErrorText(text)
 

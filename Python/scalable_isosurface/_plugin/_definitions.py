@@ -5,6 +5,8 @@ import copy
 import os
 from xml.etree import ElementTree
 
+from ._arrays import VTK_VERSION
+
 #: What stock ParaView has of the widgets, decorators and domains that the window of the plugin in C++ has.
 STOCK_WIDGETS = {
     "InteractiveHandle": "InteractiveHandle",
@@ -47,6 +49,9 @@ def adapt(element):
             element.remove(child)
         else:
             adapt(child)
+            if child.tag == "ReaderFactory" and VTK_VERSION < 902 and "[" in child.get("filename_patterns", ""):
+                # ParaView before 5.11 asks no reader of Python whether it can read a file that its name suits.
+                del child.attrib["filename_patterns"]
 
 
 def read_definitions():

@@ -162,10 +162,6 @@ class vtkBlockedVolumeReader(Reader):
     def finish(self):
         """Waits until the volume is exact."""
 
-    def find_output_information(self):
-        """Of the last update."""
-        return self._info
-
     def find_level(self, pieces, limit):
         """The finest level whose samples fit, and its grid."""
         sizes = [
@@ -181,7 +177,6 @@ class vtkBlockedVolumeReader(Reader):
 
     def fill(self, info, output):
         self.file.how = self.how  # not that of a filter that has used the file
-        self._info = info
         chosen = self.list_arrays()
         step = self.find_step(info)
         if self.file.times[step] is not None:
@@ -189,7 +184,7 @@ class vtkBlockedVolumeReader(Reader):
         piece, pieces = find_piece(info)
         level, grid = self.find_level(pieces, self.values["MemoryLimit"] * MEBIBYTE)
         if level is None:
-            self._warn(
+            self.warn(
                 f"{self.path}: not even the coarsest level fits the memory limit of "
                 f"{self.values['MemoryLimit']} MiB: the output is empty."
             )
@@ -350,7 +345,7 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
         stage, done, self._sample = self.poll(wait or 0)
         while wait and stage != 2:
             stage, done, self._sample = self.poll(wait)
-            if self._advance(done):
+            if self.advance(done):
                 raise _library.Stopped("The index is not finished.")
         self.file = self._growing.take()
         if stage == 2:
@@ -422,9 +417,9 @@ class vtkEdgeIndexReader(Reader):
         values, file = self.values, self.file
         piece, pieces = find_piece(info)
         if file.missing:
-            self._warn(file.missing)
+            self.warn(file.missing)
         if values["Preview"] and not file.has_preview:
-            self._warn(f"{self._opened_for[0]}: the file has no preview: the surface is read in full.")
+            self.warn(f"{self._opened_for[0]}: the file has no preview: the surface is read in full.")
         region = add_box(values["RegionPosition"], values["RegionLength"]) if values["UseRegion"] else None
         owner = file.read_piece(
             self.how,

@@ -133,7 +133,7 @@ class vtkVolumeSlice(ImageConsumer):
         if not self.values["Isolines"] or min(image.GetDimensions()[:2]) < 2:
             return
         if not array:
-            self._warn(f'there are no isolines: the slice has no array "{name}"')
+            self.warn(f'there are no isolines: the slice has no array "{name}"')
             return
         scalars = model.vtkImageData()
         scalars.CopyStructure(image)

@@ -150,7 +150,7 @@ class vtkBlockedVolumeWriter(Writer):
     def collect(self, reader, data):
         """The grid, the arrays with what gives their samples, and the time."""
         if reader:
-            file, step = reader.file, reader.find_step(reader.find_output_information())
+            file, step = reader.file, reader.find_step(reader.GetOutputInformation(0))
             arrays = [
                 (name, Box(file, number, step, kind, components), kind, components, unit)
                 for number, (name, kind, components, unit) in enumerate(file.arrays)
