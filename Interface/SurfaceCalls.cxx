@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Interface/VolumeHandle.h"
+#include "Interface/SurfaceHandle.h"
 
 #include "Coding/Meshes/SurfaceMeshes.h"
 #include "Formats/Files/SurfaceFile.h"
-#include "Formats/Files/SurfaceQueries.h"
 
 #include <limits>
 #include <utility>
@@ -12,75 +11,62 @@ using namespace isosurface;
 
 namespace isosurface
 {
+
+OwnedSurface::OwnedSurface(Surface surface, bool hasNormals, bool hasGlobalIds,
+  std::vector<std::string> names, int chosen, ChosenIslands found)
+  : si_surface{}
+  , Owned(std::move(surface))
+  , Names(std::move(names))
+  , Islands(std::move(found.Ids))
+{
+  Surface& made = this->Owned;
+  this->size = sizeof(si_surface);
+  this->point_count = made.NumberOfPoints;
+  this->triangle_count = made.NumberOfCells;
+  this->point_type = made.HasDoublePoints ? SI_FLOAT64 : SI_FLOAT32;
+  this->points = made.HasDoublePoints ? static_cast<void*>(made.DoublePoints.GetData())
+                                      : static_cast<void*>(made.Points.GetData());
+  IndexArray& numbers = made.Connectivity;
+  this->corner_type = numbers.Is64Bit ? SI_INT64 : SI_INT32;
+  this->corners = numbers.Is64Bit ? static_cast<void*>(numbers.Values64.GetData())
+                                  : static_cast<void*>(numbers.Values32.GetData());
+  this->normals = hasNormals ? made.Normals.GetData() : nullptr;
+  this->global_ids = hasGlobalIds ? made.GlobalIds.GetData() : nullptr;
+  for (const SurfacePart& part : made.Parts)
+  {
+    this->Isovalues.push_back(part.Isovalue);
+    this->FirstPoints.push_back(static_cast<std::int64_t>(part.FirstPoint));
+    this->FirstTriangles.push_back(static_cast<std::int64_t>(part.FirstCell));
+  }
+  this->FirstPoints.push_back(static_cast<std::int64_t>(this->point_count));
+  this->FirstTriangles.push_back(static_cast<std::int64_t>(this->triangle_count));
+  this->part_count = this->Isovalues.size();
+  this->isovalues = this->Isovalues.data();
+  this->first_points = this->FirstPoints.data();
+  this->first_triangles = this->FirstTriangles.data();
+  for (std::size_t number = 0; number < made.Attributes.size(); ++number)
+  {
+    SurfaceAttribute& attribute = made.Attributes[number];
+    this->Values.push_back({ this->Names[number].c_str(),
+      static_cast<std::int32_t>(GetInterpolatedType(attribute.Layout.Type)),
+      attribute.Layout.NumberOfComponents, attribute.Bytes.GetData() });
+  }
+  this->attribute_count = this->Values.size();
+  this->attributes = this->Values.data();
+  this->level = static_cast<std::size_t>(chosen);
+  const auto give = [](auto& buffer) -> const void*
+  { return buffer.IsEmpty() ? nullptr : buffer.GetData(); };
+  this->offsets = made.Offsets.Is64Bit ? give(made.Offsets.Values64) : give(made.Offsets.Values32);
+  this->island_ids = this->Islands.IsEmpty() ? nullptr : this->Islands.GetData();
+  for (const IsovalueIslands& one : found.OfIsovalues)
+  {
+    this->Counts.push_back({ one.Islands, one.KeptIslands, one.Triangles, one.KeptTriangles });
+  }
+  this->islands = this->Counts.empty() ? nullptr : this->Counts.data();
+}
+
 namespace
 {
-
-struct OwnedSurface : si_surface
-{
-  /// `names`: of the attributes.
-  OwnedSurface(Surface surface, bool hasNormals, bool hasGlobalIds, std::vector<std::string> names,
-    int chosen, ChosenIslands found = {})
-    : si_surface{}
-    , Owned(std::move(surface))
-    , Names(std::move(names))
-    , Islands(std::move(found.Ids))
-  {
-    Surface& made = this->Owned;
-    this->size = sizeof(si_surface);
-    this->point_count = made.NumberOfPoints;
-    this->triangle_count = made.NumberOfCells;
-    this->point_type = made.HasDoublePoints ? SI_FLOAT64 : SI_FLOAT32;
-    this->points = made.HasDoublePoints ? static_cast<void*>(made.DoublePoints.GetData())
-                                        : static_cast<void*>(made.Points.GetData());
-    IndexArray& numbers = made.Connectivity;
-    this->corner_type = numbers.Is64Bit ? SI_INT64 : SI_INT32;
-    this->corners = numbers.Is64Bit ? static_cast<void*>(numbers.Values64.GetData())
-                                    : static_cast<void*>(numbers.Values32.GetData());
-    this->normals = hasNormals ? made.Normals.GetData() : nullptr;
-    this->global_ids = hasGlobalIds ? made.GlobalIds.GetData() : nullptr;
-    for (const SurfacePart& part : made.Parts)
-    {
-      this->Isovalues.push_back(part.Isovalue);
-      this->FirstPoints.push_back(static_cast<std::int64_t>(part.FirstPoint));
-      this->FirstTriangles.push_back(static_cast<std::int64_t>(part.FirstCell));
-    }
-    this->FirstPoints.push_back(static_cast<std::int64_t>(this->point_count));
-    this->FirstTriangles.push_back(static_cast<std::int64_t>(this->triangle_count));
-    this->part_count = this->Isovalues.size();
-    this->isovalues = this->Isovalues.data();
-    this->first_points = this->FirstPoints.data();
-    this->first_triangles = this->FirstTriangles.data();
-    for (std::size_t number = 0; number < made.Attributes.size(); ++number)
-    {
-      SurfaceAttribute& attribute = made.Attributes[number];
-      this->Values.push_back({ this->Names[number].c_str(),
-        static_cast<std::int32_t>(GetInterpolatedType(attribute.Layout.Type)),
-        attribute.Layout.NumberOfComponents, attribute.Bytes.GetData() });
-    }
-    this->attribute_count = this->Values.size();
-    this->attributes = this->Values.data();
-    this->level = static_cast<std::size_t>(chosen);
-    const auto give = [](auto& buffer) -> const void*
-    { return buffer.IsEmpty() ? nullptr : buffer.GetData(); };
-    this->offsets =
-      made.Offsets.Is64Bit ? give(made.Offsets.Values64) : give(made.Offsets.Values32);
-    this->island_ids = this->Islands.IsEmpty() ? nullptr : this->Islands.GetData();
-    for (const IsovalueIslands& one : found.OfIsovalues)
-    {
-      this->Counts.push_back({ one.Islands, one.KeptIslands, one.Triangles, one.KeptTriangles });
-    }
-    this->islands = this->Counts.empty() ? nullptr : this->Counts.data();
-  }
-
-  Surface Owned;
-  const std::vector<std::string> Names;
-  const Buffer<std::int64_t> Islands; ///< of the triangles
-  std::vector<si_islands> Counts;
-  std::vector<double> Isovalues;
-  std::vector<std::int64_t> FirstPoints;
-  std::vector<std::int64_t> FirstTriangles;
-  std::vector<si_values> Values;
-};
 
 struct OwnedBoxes : si_boxes
 {
@@ -103,20 +89,11 @@ struct OwnedBoxes : si_boxes
   std::vector<std::int64_t> Ends;
 };
 
-/// What is asked for, and of which samples.
-struct TakenRequest
-{
-  ContouredSamples Samples;
-  SurfaceRequest Surfaces;
-  std::vector<std::string> Names; ///< of attributes
-};
+} // namespace
 
-Result<TakenRequest> TakeRequest(
-  const si_volume& volume, const si_surface_request* given, Call& call)
+Result<TakenRequest> TakeRequest(const si_surface_request& taken, Call& call)
 {
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto taken, TakeStructure(given, "si_surface_request"));
   TakenRequest made;
-  ISOSURFACE_ASSIGN_OR_RETURN(made.Samples, volume.Find(taken.scalar));
   SurfaceRequest& request = made.Surfaces;
   if (taken.isovalue_count == 0 || !taken.isovalues)
   {
@@ -131,12 +108,6 @@ Result<TakenRequest> TakeRequest(
       "si_surface_request: there is no such type of points, or no such size of islands");
   }
   request.Isovalues.assign(taken.isovalues, taken.isovalues + taken.isovalue_count);
-  request.Attributes.assign(taken.attributes, taken.attributes + taken.attribute_count);
-  for (const std::size_t array : request.Attributes)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(volume.Check(array, 0, 0));
-    made.Names.emplace_back(volume.Arrays[array].name);
-  }
   if (taken.region)
   {
     std::array<double, 6> bounds{};
@@ -183,6 +154,25 @@ Result<TakenRequest> TakeRequest(
   }
   request.Budget = { taken.maximum_seconds, taken.maximum_triangles };
   request.Ranks = &call.GetRanks();
+  return made;
+}
+
+namespace
+{
+
+Result<TakenRequest> TakeRequest(
+  const si_volume& volume, const si_surface_request* given, Call& call)
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto taken, TakeStructure(given, "si_surface_request"));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, volume.Find(taken.scalar));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto made, TakeRequest(taken, call));
+  made.Samples = samples;
+  made.Surfaces.Attributes.assign(taken.attributes, taken.attributes + taken.attribute_count);
+  for (const std::size_t array : made.Surfaces.Attributes)
+  {
+    ISOSURFACE_RETURN_IF_ERROR(volume.Check(array, 0, 0));
+    made.Names.emplace_back(volume.Arrays[array].name);
+  }
   return made;
 }
 
@@ -256,8 +246,8 @@ si_result si_volume_find_blocks(
     [&](Call& call, const TakenRequest& taken) -> Status
     {
       std::string warning;
-      const auto found = FindActiveBlocks(
-        *volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning);
+      const auto found =
+        FindActiveBlocks(*volume->File, taken.Samples, taken.Surfaces, call.GetProgress(), warning);
       ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(found.GetStatus()));
       call.Warn(warning);
       return Give(std::make_unique<OwnedBoxes>(*found), boxes);

@@ -43,7 +43,7 @@
  * Versions. A structure begins with its size in bytes, as the caller was compiled: `si_run run = { .size = sizeof(run) };`
  * leaves all else 0, which always means the usual. Later versions append members, and understand structures of
  * earlier ones. A structure that the library gives may be larger than the caller knows. si_array, si_scalar,
- * si_values and si_islands have no size, and never change.
+ * si_values, si_islands and si_path have no size, and never change.
  */
 
 #include <stddef.h>
@@ -393,6 +393,13 @@ extern "C"
     uint64_t kept_triangles;
   } si_islands;
 
+  /* Where a block is in a tree: its number among its siblings, from the root on. */
+  typedef struct si_path
+  {
+    size_t count;
+    const int64_t* numbers;
+  } si_path;
+
   /* Triangles that share their points. The memory is that in which the surface was made; the caller may change what
    * is in it. */
   typedef struct si_surface
@@ -417,6 +424,9 @@ extern "C"
                           * unless vtk_version or polygons were asked for */
     const int64_t* island_ids; /* of each triangle: the place of its island among all, 0 is the largest; or NULL */
     const si_islands* islands; /* part_count; NULL if islands were not looked for */
+    size_t block_count;        /* of images that are several fields (si_images_extract); 0: there is one */
+    const si_path* blocks;     /* of all ranks, ascending */
+    const int32_t* block_ids;  /* of each point: the number of its block */
   } si_surface;
   SI_API void si_surface_free(si_surface* surface);
 
@@ -430,6 +440,37 @@ extern "C"
    * SI_INVALID_ARGUMENT. */
   SI_API si_result si_surface_save(const si_surface* surface, const char* path, const char* name,
     const char* length_unit, const si_run* run);
+
+  /* ---------------------------------------------------------------------------------------------------------- */
+  /* Images in memory */
+
+  /* Samples of an image, or of a rectilinear grid, that this rank has. Pieces that meet are one image, on whichever
+   * ranks they are; samples that several have are the same in all of them. */
+  typedef struct si_piece
+  {
+    size_t size;
+    const si_grid* grid;  /* of these samples; `first` and `zero` are their place in the whole image */
+    const int64_t* whole; /* x0 x1 y0 y1 z0 z1 of that, inclusive, counted as `first` is; NULL: not known */
+    const int64_t* own;   /* x0 x1 y0 y1 z0 z1 of the vertices [x0, x1) of these samples between which this piece is
+                           * contoured: others have the rest, too; NULL: all of them */
+    size_t array_count;
+    const si_array* arrays;
+    const void* const* samples;     /* of each array: its tuples */
+    const uint8_t* hidden_cells;    /* of each cell: not 0 where there is no surface; NULL: there is everywhere */
+    const uint8_t* hidden_vertices; /* likewise */
+    si_path block;     /* pieces of one image in several blocks may be fields of their own, as those of an ensemble */
+    uint64_t identity; /* another one whenever samples at the same address are others */
+  } si_piece;
+
+  /* Keeps what speeds up the next surface of the same samples: value ranges. It keeps no samples. */
+  typedef struct si_images si_images;
+  SI_API si_result si_images_create(si_images** images);
+  SI_API void si_images_free(si_images* images);
+  /* Extracts isosurfaces of all ranks' pieces; each rank gets those of its own. The scalar and the attributes are
+   * numbers of arrays in each piece. There is one level and one time step, and no limit of triangles or seconds.
+   * Collective with ranks; a rank may have no pieces, and no attributes then. */
+  SI_API si_result si_images_extract(si_images* images, size_t count, const si_piece* const* pieces,
+    const si_surface_request* request, const si_run* run, si_surface** surface);
 
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Edge-index files: surfaces in a few bits a point */

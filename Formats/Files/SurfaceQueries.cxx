@@ -106,6 +106,21 @@ void MatchVtk(int version, ContourRequest& request)
   request.Offsets = version != 0;
 }
 
+ContourRequest MakeContourRequest(const SurfaceRequest& request)
+{
+  ContourRequest made;
+  made.Isovalues = request.Isovalues;
+  made.Normals = request.Normals;
+  MatchVtk(request.VtkVersion, made);
+  made.Polygons = request.Polygons;
+  made.SkipNotANumber = request.SkipNotANumber;
+  made.Precision = request.Precision;
+  made.ClosedSides = request.ClosedSides;
+  made.DropDegenerateTriangles = request.DropDegenerateTriangles;
+  made.GlobalIds = request.GlobalIds || request.Islands;
+  return made;
+}
+
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning, int* level,
   ChosenIslands* islands)
@@ -116,15 +131,7 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   ExtractionTask task;
   task.Volume = searched.Volume;
   task.Query = searched.Query;
-  task.Request.Isovalues = request.Isovalues;
-  task.Request.Normals = request.Normals;
-  MatchVtk(request.VtkVersion, task.Request);
-  task.Request.Polygons = request.Polygons;
-  task.Request.SkipNotANumber = request.SkipNotANumber;
-  task.Request.Precision = request.Precision;
-  task.Request.ClosedSides = request.ClosedSides;
-  task.Request.DropDegenerateTriangles = request.DropDegenerateTriangles;
-  task.Request.GlobalIds = request.GlobalIds || request.Islands;
+  task.Request = MakeContourRequest(request);
   task.Threads = request.Threads;
   task.Advance = progress;
   for (const std::size_t array : request.Attributes)

@@ -56,6 +56,9 @@ struct SurfaceRequest
 /// 9.2). 0: there are no offsets, corners have the fewest bytes, normals are those of 9.4.
 void MatchVtk(int version, ContourRequest& request);
 
+/// What is asked for, but for the attributes.
+ContourRequest MakeContourRequest(const SurfaceRequest& request);
+
 /// The isosurfaces; of several ranks this one's part. `warning` names lost stores, whose replicas were read.
 /// `level` becomes that of the surface, `islands` what was found of them. Collective with ranks. Cost and errors:
 /// StoredField, ChooseIslands, and GetBlocks of the file.

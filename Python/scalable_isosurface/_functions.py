@@ -86,13 +86,21 @@ _make_request, _ = _sized(
     ("island_point", POINTER(c_double)), ("half_space_count", c_size_t), ("half_spaces", POINTER(c_double)),
 )  # fmt: skip
 _, _Boxes = _sized("si_boxes", ("count", c_size_t), ("boxes", c_void_p))
+_Path = _structure("si_path", ("count", c_size_t), ("numbers", POINTER(c_int64)))
 _, _Surface = _sized(
     "si_surface",
     ("point_count", c_size_t), ("triangle_count", c_size_t), ("point_type", c_int32), ("corner_type", c_int32),
     ("points", c_void_p), ("corners", c_void_p), ("normals", c_void_p), ("global_ids", c_void_p),
     ("part_count", c_size_t), ("isovalues", c_void_p), ("first_points", c_void_p), ("first_triangles", c_void_p),
     ("attribute_count", c_size_t), ("attributes", POINTER(_Values)), ("level", c_size_t), ("offsets", c_void_p),
-    ("island_ids", c_void_p), ("islands", c_void_p),
+    ("island_ids", c_void_p), ("islands", c_void_p), ("block_count", c_size_t), ("blocks", POINTER(_Path)),
+    ("block_ids", c_void_p),
+)  # fmt: skip
+_make_piece, _Piece = _sized(
+    "si_piece",
+    ("grid", POINTER(_Grid)), ("whole", POINTER(c_int64)), ("own", POINTER(c_int64)), ("array_count", c_size_t),
+    ("arrays", POINTER(_Array)), ("samples", POINTER(c_void_p)), ("hidden_cells", c_void_p),
+    ("hidden_vertices", c_void_p), ("block", _Path), ("identity", c_uint64),
 )  # fmt: skip
 _, _SurfaceInfo = _sized(
     "si_surface_file_info",
@@ -154,6 +162,8 @@ _FUNCTIONS = {
     "volume_propose": "pppp",
     "volume_find_blocks": "pppp",
     "volume_extract": "pppp",
+    "images_create": "p",
+    "images_extract": "pzpppp",
     "surface_file_open": "spp",
     "volume_estimate": "pppp",
     "volume_write_surface": "ppspp",
@@ -177,7 +187,7 @@ _GIVERS: Dict[str, Tuple[str, Any]] = {
     **{
         name: ("p", None)
         for name in (
-            "texts_free", "volume_close", "slice_free", "spectrum_free", "boxes_free", "surface_free",
+            "texts_free", "volume_close", "slice_free", "spectrum_free", "boxes_free", "surface_free", "images_free",
             "surface_file_close", "growing_stop", "growing_free",
         )
     },

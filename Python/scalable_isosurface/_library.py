@@ -8,16 +8,16 @@ from __future__ import annotations
 import ctypes
 import math
 import warnings
-from ctypes import byref, c_double, c_int32, c_size_t, c_void_p, POINTER
+from ctypes import byref, c_double, c_int32, c_int64, c_size_t, c_void_p, POINTER
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy
 
 from ._functions import (  # noqa: F401  (some are for the modules that use this one)
-    MAGNITUDE, Stopped, VALUE_TYPES, _AllGather, _Array, _Boxes, _Exchange, _Progress, _QUANTITIES, _Reader,
-    _Scalar, _Slice, _Spectrum, _Surface, _Texts, _Warn, _make_box, _make_coding, _make_grid, _make_growing_state,
-    _make_opening, _make_ranks, _make_reading, _make_request, _make_run, _make_settings, _si, _text, _three_numbers,
-    encode,
+    MAGNITUDE, Stopped, VALUE_TYPES, _AllGather, _Array, _Boxes, _Exchange, _Path, _Piece, _Progress, _QUANTITIES,
+    _Reader, _Scalar, _Slice, _Spectrum, _Surface, _Texts, _Warn, _make_box, _make_coding, _make_grid,
+    _make_growing_state, _make_opening, _make_piece, _make_ranks, _make_reading, _make_request, _make_run,
+    _make_settings, _si, _text, _three_numbers, encode,
 )  # fmt: skip
 
 
@@ -190,7 +190,7 @@ def _view(owner: _Owned, address: Optional[int], dtype: str, *shape: int) -> num
 
 def view_cells(owner: _Owned) -> Dict[str, Any]:
     """What else a surface has that VTK's filters give: offsets, global_ids and island_ids, or None, four numbers of
-    the islands of each part, and its level."""
+    the islands of each part, its level, the paths of blocks and that of each point."""
     surface = owner.pointer.contents
     kind, triangles = VALUE_TYPES[surface.corner_type], surface.triangle_count
     offsets = _view(owner, surface.offsets, kind, triangles + 1)
@@ -201,6 +201,8 @@ def view_cells(owner: _Owned) -> Dict[str, Any]:
         "island_ids": _view(owner, surface.island_ids, "int64", triangles) if surface.island_ids else None,
         "islands": _view(owner, surface.islands, "int64", surface.part_count, 4) if surface.islands else None,
         "level": surface.level,
+        "blocks": [tuple(path.numbers[: path.count]) for path in surface.blocks[: surface.block_count]],
+        "block_ids": _view(owner, surface.block_ids, "int32", surface.point_count if surface.block_count else 0),
     }
 
 
@@ -309,6 +311,12 @@ class GrowingFile:
         with _Call.begin(how=self._how) as call:
             _si.growing_take(self._owned.pointer, call.run, owned.place)
         return VolumeFile(owned, self._how)
+
+
+def _fill_grid(grid: Any, lines: Optional[Sequence[Sequence[float]]]) -> Any:
+    for axis, line in enumerate(lines or ()):
+        grid.lines[axis] = (c_double * len(line))(*line)
+    return grid
 
 
 def _describe(grid: Any) -> Tuple[Any, ...]:
@@ -464,6 +472,53 @@ def _request(
     )
 
 
+class Piece:
+    """si_piece: `grid` has members of si_grid; an array name, type, components and its memory. What is not here is NULL."""
+
+    def __init__(
+        self,
+        grid: Dict[str, Any],
+        lines: Optional[Sequence[Sequence[float]]],
+        arrays: Sequence[Tuple[str, str, int, numpy.ndarray]],
+        hidden: Tuple[Optional[numpy.ndarray], Optional[numpy.ndarray]],
+        block: Sequence[int],
+        identity: int,
+        **boxes: Optional[Sequence[int]],
+    ) -> None:
+        self._kept = arrays, hidden
+        whole = _fill_grid(_make_grid(**grid), lines)
+        kinds = [_Array(encode(name), VALUE_TYPES.index(kind), size, b"") for name, kind, size, _ in arrays]
+        addresses = [memory.__array_interface__["data"][0] for *_, memory in arrays]
+        cells, vertices = (None if one is None else one.__array_interface__["data"][0] for one in hidden)
+        self.structure = _make_piece(
+            grid=ctypes.pointer(whole),
+            array_count=len(arrays),
+            arrays=(_Array * len(arrays))(*kinds),
+            samples=(c_void_p * len(arrays))(*addresses),
+            hidden_cells=cells,
+            hidden_vertices=vertices,
+            block=_Path(len(block), (c_int64 * len(block))(*block)),
+            identity=identity,
+            **{name: None if box is None else (c_int64 * 6)(*box) for name, box in boxes.items()},
+        )
+
+
+class Images:
+    """si_images."""
+
+    def __init__(self) -> None:
+        self._owned = _Owned(None, _si.images_free)
+        _si.images_create(self._owned.place)
+
+    def extract(self, pieces: Sequence[Piece], how: How, **request: Any) -> _Owned:
+        """Of this rank's pieces."""
+        owner = _Owned(_Surface, _si.surface_free)
+        given = (POINTER(_Piece) * len(pieces))(*(ctypes.pointer(piece.structure) for piece in pieces))
+        with _Call.begin(how=how) as call:
+            _si.images_extract(self._owned.pointer, len(pieces), given, _request(**request), call.run, owner.place)
+        return owner
+
+
 class SurfaceFile:
     """si_surface_file."""
 
@@ -521,9 +576,7 @@ class VolumeWriting:
         """`grid`: members of si_grid; `settings`: of si_settings, and threads."""
         self._path = path
         self.how = _ALONE
-        self._grid = _make_grid(**grid)
-        for axis, line in enumerate(lines or ()):
-            self._grid.lines[axis] = (c_double * len(line))(*line)
+        self._grid = _fill_grid(_make_grid(**grid), lines)
         self._threads = settings.pop("threads")
         self._settings = _make_settings(**settings)
 

@@ -180,6 +180,65 @@ static si_surface_request make_request(void)
   return request;
 }
 
+/* An image in memory, in two pieces that share a layer. */
+static void contour_images(void)
+{
+  enum
+  {
+    HALF = 30
+  };
+  static int16_t samples[NX * NY * NZ];
+  static uint8_t hidden[(NX - 1) * (NY - 1) * HALF];
+  si_volume* volume = open_volume(path);
+  const si_grid* whole = si_volume_grid(volume, 0);
+  si_box box = { .size = sizeof(box), .high = { NX, NY, NZ } };
+  OK(si_volume_read(volume, &box, samples, sizeof(samples), NULL));
+  si_surface_request request = make_request();
+  request.normals = 1;
+  si_surface* surface = NULL;
+  OK(si_volume_extract(volume, &request, NULL, &surface));
+  const size_t triangles = surface->triangle_count;
+  si_surface_free(surface);
+
+  const si_array array = { "ct", SI_INT16, 1, "" };
+  const void* memory[2] = { samples, samples + NX * NY * HALF };
+  si_grid grids[2] = { *whole, *whole };
+  si_piece pieces[2] = { { .size = sizeof(si_piece) }, { .size = sizeof(si_piece) } };
+  const si_piece* given[2] = { &pieces[0], &pieces[1] };
+  grids[0].dimensions[2] = HALF + 1;
+  grids[1].dimensions[2] = NZ - HALF;
+  grids[1].first[2] = HALF;
+  for (int piece = 0; piece < 2; ++piece)
+  {
+    pieces[piece].grid = &grids[piece];
+    pieces[piece].array_count = 1;
+    pieces[piece].arrays = &array;
+    pieces[piece].samples = &memory[piece];
+  }
+  si_images* images = NULL;
+  OK(si_images_create(&images));
+  for (int turn = 0; turn < 2; ++turn)
+  {
+    OK(si_images_extract(images, 2, given, &request, NULL, &surface));
+    CHECK(surface->triangle_count == triangles && surface->normals && surface->block_count == 0);
+    si_surface_free(surface);
+  }
+  memset(hidden, 1, sizeof(hidden));
+  pieces[0].hidden_cells = hidden;
+  OK(si_images_extract(images, 2, given, &request, NULL, &surface));
+  CHECK(surface->triangle_count > 0 && surface->triangle_count < triangles);
+  si_surface_free(surface);
+  OK(si_images_extract(images, 0, NULL, &request, NULL, &surface));
+  CHECK(surface->triangle_count == 0);
+  si_surface_free(surface);
+  request.scalar.array = 1;
+  CHECK(si_images_extract(images, 2, given, &request, NULL, &surface) == SI_INVALID_ARGUMENT &&
+    strstr(si_error(), "no such array"));
+  si_images_free(images);
+  si_images_free(NULL);
+  si_volume_close(volume);
+}
+
 static void extract(void)
 {
   static const size_t attribute = 1;
@@ -527,6 +586,7 @@ int main(int argc, char** argv)
   write_and_describe();
   read_samples();
   extract();
+  contour_images();
   stops_and_refuses();
   share_among_ranks();
   meet_first();

@@ -104,9 +104,15 @@ class Errors(unittest.TestCase):
         self.check(said, path)
 
     def test_what_it_cannot_contour_is_told_by_name(self):
-        said = run([load(arguments.plugins[1]), "surface = simple.Isosurface(Input=simple.Wavelet(), Isosurfaces=[100.0])",
+        said = run([load(arguments.plugins[1]), "tetrahedra = simple.Tetrahedralize(Input=simple.Wavelet())",
+                    "surface = simple.Isosurface(Input=tetrahedra, Isosurfaces=[100.0])", "surface.UpdatePipeline()"])
+        self.check(said, "the input has a vtkUnstructuredGrid")
+
+    def test_an_array_that_is_missing_is_told_with_those_that_are_there(self):
+        said = run([load(arguments.plugins[1]), "cells = simple.PointDatatoCellData(Input=simple.Wavelet())",
+                    "surface = simple.Isosurface(Input=cells, Isosurfaces=[100.0], ContourBy=['POINTS', 'Density'])",
                     "surface.UpdatePipeline()"])
-        self.check(said, "the input is no blocked volume")
+        self.check(said, 'no point array "Density" to contour', 'cell arrays "RTData"')
 
 
 if __name__ == "__main__":

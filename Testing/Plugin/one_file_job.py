@@ -26,6 +26,34 @@ digests.write(inputs[0].VTKObject, {stem!r}, self)
 """
 
 
+#: A rectilinear grid of an image.
+RECTILINEAR = """
+from vtkmodules.vtkCommonCore import vtkDoubleArray
+image, grid = self.GetInputDataObject(0, 0), self.GetOutputDataObject(0)
+grid.SetExtent(image.GetExtent())
+for axis, put in enumerate((grid.SetXCoordinates, grid.SetYCoordinates, grid.SetZCoordinates)):
+    line = vtkDoubleArray()
+    for number in range(image.GetExtent()[2 * axis], image.GetExtent()[2 * axis + 1] + 1):
+        line.InsertNextValue(number + 0.01 * number * abs(number))
+    put(line)
+grid.GetPointData().ShallowCopy(image.GetPointData())
+grid.GetCellData().ShallowCopy(image.GetCellData())
+"""
+
+#: A tree with an image of which cells and points are hidden.
+HOLES = """
+from vtkmodules.vtkCommonDataModel import vtkUniformGrid
+image, tree = self.GetInputDataObject(0, 0), self.GetOutputDataObject(0)
+grid = vtkUniformGrid()
+grid.ShallowCopy(image)
+for cell in range(100, grid.GetNumberOfCells(), 7):
+    grid.BlankCell(cell)
+for point in range(200, grid.GetNumberOfPoints(), 97):
+    grid.BlankPoint(point)
+tree.SetBlock(1, grid)
+"""
+
+
 def find_volume(name):
     return os.path.join(VOLUMES, name)
 
@@ -51,6 +79,10 @@ def digest(source, port=0, time=None):
         with open(path) as file:
             made.append(json.load(file))
     return made
+
+
+def program(source, kind, script):
+    return simple.ProgrammableFilter(Input=source, OutputDataSetType=kind, Script=script)
 
 
 def report(job, **found):
@@ -112,6 +144,44 @@ def make_samples(wave):
         report(f"values at the points of a {name}", ranks=digest(simple.VolumeProbe(Input=wave, Source=points)))
     spectrum = simple.ContourSpectrum(Input=wave)
     report("spectrum", ranks=digest(spectrum))
+
+
+def contour_images(wave):
+    """Data in memory: what the ranks have of images, trees of them, and of rectilinear grids."""
+    wavelet = simple.Wavelet(WholeExtent=[-12, 14, -9, 9, -7, 8])
+    vectors = simple.XMLImageDataReader(FileName=[find_volume("vectors.vti")])
+    cells = simple.PointDatatoCellData(Input=wavelet)
+    refined = []
+    if simple.servermanager.ActiveConnection.GetNumberOfDataPartitions() == 1:  # else ParaView's source ends the process
+        fractal = simple.HierarchicalFractal(MaximumLevel=2, TwoDimensional=0)
+        refined = [("refined images", simple.CellDatatoPointData(Input=fractal),
+                    {"ContourBy": ["POINTS", "Fractal Volume Fraction"], "Isosurfaces": [0.5]})]
+    for name, source, given in (
+        ("an image", wavelet, {}),
+        ("an image, islands", wavelet, {"MaximumIslands": 1, "ComputeIslandIds": 1}),
+        ("an image, a region", wavelet, {"UseRegion": 1, "RegionPosition": [-5, -5, -5], "RegionLength": [9, 6, 7]}),
+        ("an image, closed", wavelet, {"CloseBoundary": 1, "ComputeNormals": 0}),
+        ("an image, polygons", wavelet, {"GenerateTriangles": 0}),
+        ("an image, itself interpolated", wavelet, {"ComputeScalars": 0, "InterpolatedArrays": ["RTData"]}),
+        ("a magnitude", vectors, {"ContourBy": ["POINTS", "Gradient"], "Component": 3, "Isosurfaces": [1.5],
+                                  "InterpolatedArrays": ["RTData", "Gradient"]}),
+        ("cells", cells, {"ContourBy": ["CELLS", "RTData"]}),
+        ("cells, interpolated", simple.Elevation(Input=cells),
+         {"ContourBy": ["POINTS", "Elevation"], "Isosurfaces": [0.5], "InterpolatedArrays": ["RTData"]}),
+        ("a tree", simple.XMLMultiBlockDataReader(FileName=[find_volume("pair.vtm")]), {}),
+        ("two images", simple.GroupDatasets(Input=[wavelet, simple.Wavelet(WholeExtent=[20, 40, -9, 9, -7, 8])]), {}),
+        ("an ensemble", simple.GroupDatasets(Input=[wavelet, simple.Calculator(Input=wavelet, Function="RTData + 20",
+                                                                              ResultArrayName="RTData")]), {}),
+        ("rectilinear", program(wavelet, "vtkRectilinearGrid", RECTILINEAR), {}),
+        ("images with holes", program(wavelet, "vtkMultiblockDataSet", HOLES), {}),
+        *refined,
+        ("behind a calculator", simple.Calculator(Input=wave, Function="RTData * 2", ResultArrayName="double"),
+         {"ContourBy": ["POINTS", "double"], "Isosurfaces": [310.0]}),
+    ):
+        surface = simple.Isosurface(Input=source, Isosurfaces=[157.25])
+        for one in {"ContourBy": ["POINTS", "RTData"], **given}.items():
+            setattr(surface, *one)
+        report(f"{name} in memory", ranks=digest(surface))
 
 
 def write_files(wave):
@@ -177,6 +247,7 @@ def main():
     report("the isovalue that is proposed for a CT", isovalues=list(simple.Isosurface(Input=ct).Isosurfaces))
     make_surfaces(wave, simple.OpenDataFile(find_volume("series.bvol")), vectors)
     make_samples(wave)
+    contour_images(wave)
     write_files(wave)
     write_anew()
     make_scans()

@@ -10,6 +10,8 @@ from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline 
 
 VTK_VERSION = 100 * vtkVersion.GetVTKMajorVersion() + vtkVersion.GetVTKMinorVersion()
 MEBIBYTE = 1 << 20
+#: In field data: the extent of the volume that an image is a part of.
+WHOLE_EXTENT = "BlockedVolumeExtent"
 ID_TYPES = {4: VTK_INT, 8: VTK_ID_TYPE}
 
 
@@ -45,10 +47,14 @@ def find_piece(info):
     return (piece or 0, pieces) if pieces else (0, 1)
 
 
+def make_extent(grid, low, high):
+    """Of the vertices [low, high)."""
+    return tuple(int(end + first) for pair in zip(low, high - 1, grid[7]) for first in pair[2:] for end in pair[:2])
+
+
 def make_image(grid, low, high):
     """The vertices [low, high) of a grid, without arrays."""
-    first = grid[7]
-    extent = [int(end + first[axis]) for axis in range(3) for end in (low[axis], high[axis] - 1)]
+    extent = make_extent(grid, low, high)
     if grid[4]:
         image = model.vtkRectilinearGrid()
         image.SetExtent(extent)
@@ -111,8 +117,10 @@ def find_points(data):
     return points
 
 
-def list_leaves(composite):
+def list_leaves(composite, numbers=False):
+    """`numbers`: with their flat numbers."""
     iterator = composite.NewIterator()
     while not iterator.IsDoneWithTraversal():
-        yield iterator.GetCurrentDataObject()
+        leaf = iterator.GetCurrentDataObject()
+        yield (leaf, iterator.GetCurrentFlatIndex()) if numbers else leaf
         iterator.GoToNextItem()

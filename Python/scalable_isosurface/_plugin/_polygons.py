@@ -32,6 +32,8 @@ def fill_surface(output, owner, normals, scalars):
         exact = (isovalues.astype(numpy.float32) == isovalues).all()
         of_points = numpy.repeat(isovalues.astype("f4" if exact else "f8"), numpy.diff(surface["point_offsets"]))
         data.SetScalars(to_vtk(of_points, scalars))
+    if cells["blocks"]:
+        data.AddArray(to_vtk(cells["block_ids"], "BlockIds"))
     # The last array: vtkAdaptiveSubdivisionFilter, which drops it, mixes up those behind it.
     data.SetGlobalIds(to_vtk(cells["global_ids"], "GlobalIds", VTK_ID_TYPE))
     if cells["island_ids"] is not None:

@@ -12,8 +12,8 @@ from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkStreamingDemandD
 
 from .. import _library
 from ._algorithm import Algorithm, describe, gather_text, tell_error
-from ._arrays import add_array, add_texts, find_piece, make_image, MEBIBYTE, set_times, store_units, to_texts, to_vtk
-from ._arrays import VTK_VERSION
+from ._arrays import add_array, add_texts, find_piece, make_extent, make_image, MEBIBYTE, set_times, store_units
+from ._arrays import to_texts, to_vtk, VTK_VERSION, WHOLE_EXTENT
 from ._definitions import RAW_EXTENSIONS
 from ._polygons import add_box, fill_surface
 
@@ -194,6 +194,8 @@ class vtkBlockedVolumeReader(Reader):
         low, high = find_slab(grid, piece, pieces)
         if (low < high).all():
             image = make_image(grid, low, high)
+            whole = numpy.array([make_extent(grid, numpy.zeros(3, int), numpy.array(grid[0]))], numpy.int32)
+            image.GetFieldData().AddArray(to_vtk(whole, WHOLE_EXTENT))
             self.read_arrays(image, chosen, step, level, low, high)
             if pieces > 1:
                 mark_shared(image, low, high)

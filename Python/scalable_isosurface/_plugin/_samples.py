@@ -13,8 +13,8 @@ from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm, vtkExecutive, vtkEx
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges2D
 
-from ._arrays import add_array, find_piece, find_points, list_leaves, make_cells, make_image, MEBIBYTE, set_times, store_units
-from ._arrays import to_vtk
+from ._arrays import add_array, find_piece, find_points, list_leaves, make_cells, make_extent, make_image, MEBIBYTE
+from ._arrays import set_times, store_units, to_vtk
 from ._polygons import add_box
 from ._surfaces import Consumer
 
@@ -97,7 +97,7 @@ class vtkVolumeSlice(ImageConsumer):
         if self._plan[0] != wanted:
             cut = self.cut(file, first, step)
             grid, level = cut[:2]
-            self._plan = wanted, (grid, find_extent(grid, numpy.zeros(3, int), numpy.array(grid[0])), level, (first, cut))
+            self._plan = wanted, (grid, make_extent(grid, numpy.zeros(3, int), numpy.array(grid[0])), level, (first, cut))
         return self._plan[1]
 
     def make(self, reader, file, step, plan, low, high):
@@ -203,7 +203,7 @@ class vtkVolumeRegion(ImageConsumer):
             first = numpy.minimum(last, low >> level)
             end = numpy.minimum(last, (high + (1 << level) - 2) >> level) + 1
             if sum(sizes) * float(numpy.prod((end - first).astype(float))) <= limit:
-                return grid, find_extent(grid, first, end), level
+                return grid, make_extent(grid, first, end), level
         raise ValueError(
             f"{os.fsdecode(file.path)}: not even the coarsest level of the box fits the memory limit of "
             f"{self.values['MemoryLimit']} MiB"
@@ -215,11 +215,6 @@ class vtkVolumeRegion(ImageConsumer):
         size = " x ".join(str(last - first + 1) for first, last in zip(plan[1][::2], plan[1][1::2]))
         self._text = f"{size} samples, " + ("full resolution" if plan[2] == 0 else f"level {plan[2]}")
         return image
-
-
-def find_extent(grid, low, high):
-    """Of vertices [low, high)."""
-    return tuple(int(end + first) for pair in zip(low, high - 1, grid[7]) for first in pair[2:] for end in pair[:2])
 
 
 def find_vertices(grid, box):

@@ -11,11 +11,13 @@ import weakref
 import numpy
 from vtkmodules import vtkCommonDataModel as model
 from vtkmodules.util.vtkConstants import VTK_ID_TYPE
-from vtkmodules.vtkCommonCore import vtkDoubleArray
+from vtkmodules.vtkCommonCore import vtkDataArray, vtkDoubleArray
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
 
 from .. import _library
-from ._algorithm import Algorithm
-from ._arrays import store_units, to_vtk, VTK_VERSION
+from ._algorithm import Algorithm, gather_text
+from ._arrays import add_texts, store_units, to_vtk, VTK_VERSION
+from ._images import CELLS, find_array as find_contoured, list_images, name_block, Pieces, POINTS_THEN_CELLS, tell_missing
 from ._polygons import add_box, fill_surface, summarise
 from ._readers import vtkBlockedVolumeReader, vtkInPlaceVolumeReader
 
@@ -64,17 +66,33 @@ class Consumer(Algorithm):
             raise ValueError(f'array "{file.arrays[array][0]}" has {components} components, and no component {component}')
         return array, _library.MAGNITUDE if component == components else component, step, level
 
+    def list_contoured(self):
+        """The arrays of images at the input that are contoured, if they are there."""
+        for image, _ in list_images(self.GetInputDataObject(0, 0)):
+            array = find_contoured(image, self.GetInputArrayInformation(0))[0]
+            if array:
+                yield array
+
     def GetUnit(self):
         reader = self.find_reader()
         with contextlib.suppress(Exception):
-            array = reader.file.arrays[self.find_scalar(reader.file, 0)[0]]
-            return array[3] or ("HU" if array[0] == "HU" else "")
+            if reader:
+                name, *_, unit = reader.file.arrays[self.find_scalar(reader.file, 0)[0]]
+                return unit or ("HU" if name == "HU" else "")
+            for array in self.list_contoured():
+                unit = array.GetInformation().Get(vtkDataArray.UNITS_LABEL()) or ("HU" if array.GetName() == "HU" else "")
+                if unit:
+                    return unit
         return ""
 
     def GetProposal(self):
         """An isovalue to begin with; NaN if there is none."""
         reader = self.find_reader()
         with contextlib.suppress(Exception):
+            if not reader:
+                ranges = numpy.array([array.GetFiniteRange(0) for array in self.list_contoured()])
+                low, high = ranges[:, 0].min(), ranges[:, 1].max()
+                return BONE if self.GetUnit() == "HU" and low < BONE <= high else (low + high) / 2
             if not isinstance(reader, vtkInPlaceVolumeReader) or reader.is_indexed():
                 scalar = self.find_scalar(reader.file, 0)
                 low, high = reader.file.range(scalar)
@@ -96,6 +114,7 @@ class vtkStabbingContour(Consumer):
         super().__init__(inputs=1, outputType="vtkPolyData")
         self._summary, self._final = "", 1
         self._work, self._refines = None, False
+        self._images = None
 
     def GetIslandSummary(self):
         return self._summary
@@ -113,17 +132,22 @@ class vtkStabbingContour(Consumer):
             self.Modified()
 
     def make_request(self, file, step):
-        """The members of si_surface_request."""
+        """The members of si_surface_request, of a volume."""
         values = self.values
         scalar = self.find_scalar(file, step, min(values["Level"], file.levels - 1))
         contoured = file.arrays[scalar[0]][0]
         names = [name for name in values["InterpolatedArrays"] if not (name == contoured and values["ComputeScalars"])]
+        attributes = [find_array(file, name) for name in dict.fromkeys(names)]
+        return self.add_options(scalar=scalar, attributes=attributes)
+
+    def add_options(self, **request):
+        """Those of the properties that volumes and images have in common."""
+        values = self.values
         planes = values["FrustumPlanes"]
-        request = dict(
-            scalar=scalar,
-            isovalues=values["ContourValues"],
+        return dict(
+            **request,
+            isovalues=[isovalue for isovalue in values["ContourValues"] if not math.isnan(isovalue)],
             region=add_box(values["RegionPosition"], values["RegionLength"]) if values["UseRegion"] else None,
-            attributes=[find_array(file, name) for name in dict.fromkeys(names)],
             normals=values["ComputeNormals"],
             global_ids=1,
             points={0: 8, 1: 9}.get(values["OutputPointsPrecision"], 0),
@@ -145,12 +169,76 @@ class vtkStabbingContour(Consumer):
             if any(planes)
             else [],
         )
-        return request
+
+    def RequestUpdateExtent(self, request, inputs, outputs):
+        """Of images, normals at the border of a piece need one sample beyond it; averages of cells, one cell more."""
+        info = inputs[0].GetInformationObject(0)
+        pieces = outputs.GetInformationObject(0).Get(Pipeline.UPDATE_NUMBER_OF_PIECES())
+        if not self.find_reader() and pieces > 1:
+            levels = int(bool(self.values["ComputeNormals"])) + self.takes_cells(info)
+            info.Set(Pipeline.UPDATE_NUMBER_OF_GHOST_LEVELS(), levels)
+        return 1
+
+    def takes_cells(self, info):
+        """Whether arrays on cells are needed, as far as that is known before there is data."""
+
+        def is_active(place):
+            return model.vtkDataObject.GetActiveFieldInformation(info, place, model.vtkDataSetAttributes.SCALARS) is not None
+
+        association = self.GetInputArrayInformation(0).Get(model.vtkDataObject.FIELD_ASSOCIATION())
+        return association == CELLS or (association == POINTS_THEN_CELLS and not is_active(0) and is_active(CELLS)) or any(
+            model.vtkDataObject.GetNamedFieldInformation(info, CELLS, name) for name in self.values["InterpolatedArrays"]
+        )
 
     def RequestData(self, request, inputs, outputs):
         output = model.vtkPolyData.GetData(outputs, 0)
         output.Initialize()
-        return self.run(outputs, lambda: self.fill(outputs, output))
+        if self.find_reader():
+            return self.run(outputs, lambda: self.fill(outputs, output))
+        return self.run(outputs, lambda: self.fill_of_images(inputs[0].GetInformationObject(0), output))
+
+    def fill_of_images(self, info, output):
+        """Of images in memory."""
+        values, data = self.values, model.vtkDataObject.GetData(info)
+        self._final, self._summary = 1, ""
+        filter_info = self.GetInputArrayInformation(0)
+
+        def prepare():
+            self._images = self._images or _library.Images()
+            names = list(dict.fromkeys(values["InterpolatedArrays"]))
+            mine = Pieces(filter_info, data, info, values["Component"], names, values["ComputeScalars"])
+            component = values["Component"] if mine.components > 1 else 0
+            magnitude = component == mine.components
+            scalar = 0, _library.MAGNITUDE if magnitude else component, 0, 0
+            return mine, self.add_options(scalar=scalar, attributes=range(1, 1 + len(mine.component_names)))
+
+        mine, request = self.agree(prepare)
+        told = gather_text(self.ranks, "pieces" if mine.pieces else "images" if mine.are_there else "")
+        if "images" in told and "pieces" not in told:
+            raise ValueError(tell_missing(data, filter_info.Get(model.vtkDataObject.FIELD_NAME())))
+        if not request["isovalues"]:
+            return
+        owner = self._images.extract(mine.pieces, self.how, **request)
+        made = self.put(output, owner, request, mine.name)
+        for name, names in mine.component_names:
+            array = output.GetPointData().GetArray(name)
+            for number, one in enumerate(names):
+                if array and one:
+                    array.SetComponentName(number, one)
+        if made["blocks"]:
+            add_texts(output, "BlockNames", [name_block(data, path) for path in made["blocks"]])
+
+    def put(self, output, owner, request, contoured):
+        """A surface into the output. What fill_surface gives."""
+        made = fill_surface(output, owner, request["normals"], contoured if self.values["ComputeScalars"] else "")
+        self._summary = summarise(made["islands"], request["isovalues"]) if made["islands"] is not None else ""
+        for name, number in (
+            ("Rank", self.ranks.rank if self.ranks else 0),
+            ("Triangles", len(made["offsets"]) - 1),
+            ("Level", made["level"]),
+        ):
+            output.GetFieldData().AddArray(to_vtk(numpy.array([number], float), name))
+        return made
 
     def fill(self, outputs, output):
         def prepare():
@@ -161,17 +249,8 @@ class vtkStabbingContour(Consumer):
         if not request["isovalues"]:
             return
         owner = self.extract(file, request)
-        contoured = file.arrays[request["scalar"][0]][0]
-        made = fill_surface(output, owner, request["normals"], contoured if self.values["ComputeScalars"] else "")
-        self._summary = summarise(made["islands"], request["isovalues"]) if made["islands"] is not None else ""
-        grid = file.describe(0)
-        store_units(output, file, grid)
-        for name, number in (
-            ("Rank", self.ranks.rank if self.ranks else 0),
-            ("Triangles", len(made["offsets"]) - 1),
-            ("Level", made["level"]),
-        ):
-            output.GetFieldData().AddArray(to_vtk(numpy.array([number], float), name))
+        self.put(output, owner, request, file.arrays[request["scalar"][0]][0])
+        store_units(output, file, file.describe(0))
 
     def extract(self, file, request):
         """The surface that is to be shown now: in the window of one rank, or if it is progressive, first a coarse one of
