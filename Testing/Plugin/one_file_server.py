@@ -24,6 +24,7 @@ found = contour.GetDataInformation().GetNumberOfCells()
 assert found == sum(surface["size"][1] for surface in surfaces) > 0, found
 view = simple.CreateRenderView(ViewSize=[600, 500])
 simple.Show(contour, view)
+simple.ResetCamera(view)
 simple.SaveScreenshot(image, view)
 print(f"{found} triangles by {servermanager.ActiveConnection.GetNumberOfDataPartitions()} ranks")
 simple.Disconnect()
