@@ -55,6 +55,13 @@ def leave_out(found, names):
         found.pop(name, None)
 
 
+def is_same(expected, found):
+    """Sizes of files may differ by the few bytes that another release of zstd packs more."""
+    expected, found = dict(expected), dict(found)
+    sizes = [job.pop("size", 0) for job in (expected, found)]
+    return expected == found and abs(sizes[0] - sizes[1]) <= sizes[0] / 1000
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program", nargs="+")
@@ -71,14 +78,11 @@ def main():
         with open(arguments.save, "w") as file:
             json.dump(expected, file)
     found = others[0] if others else expected
-    if arguments.plugins[0].endswith(".json"):  # there, another release of zstd may have packed a few bytes more
-        for job in (*expected.values(), *found.values()):
-            job.pop("size", None)
-        if find_kind_of_surfaces(expected) != find_kind_of_surfaces(found):
-            leave_out([expected, found], ("Normals", "polygons", "lines"))
-        for jobs in (expected, found):
-            jobs.pop("VTK", None)
-    different = [job for job in expected if found.get(job) != expected[job]]
+    if arguments.plugins[0].endswith(".json") and find_kind_of_surfaces(expected) != find_kind_of_surfaces(found):
+        leave_out([expected, found], ("Normals", "polygons", "lines"))
+    for jobs in (expected, found):
+        jobs.pop("VTK", None)
+    different = [job for job in expected if not is_same(expected[job], found.get(job, {}))]
     for job in different:
         print(f"{job}:\n    {json.dumps(expected[job])}\n    {json.dumps(found.get(job))}")
     assert len(expected) > 30 and sorted(expected) == sorted(found)

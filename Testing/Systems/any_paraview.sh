@@ -3,7 +3,8 @@
 # and another Python each. Usage:
 #   any_paraview.sh BUILD FOLDER WHEEL ZIP [RELEASE...]
 # BUILD is a folder with the plugin in C++ and the volumes of its tests (ctest -R MakeVolumes), on Debian 12: what that plugin
-# makes is what is expected. FOLDER gets the root folders of on_debian.sh, and of each release a folder
+# makes is what is expected, and where on_debian.sh has built it, what the one of the release makes: normals and the type of
+# cells follow VTK's version. FOLDER gets the root folders of on_debian.sh, and of each release a folder
 # RELEASE-any-paraview with screenshots and a report. RELEASE is bullseye (ParaView 5.9), bookworm (5.11), trixie (5.13) or
 # forky (6.1); without any: all of them. Needs to be root, and mmdebstrap.
 set -eu
@@ -80,12 +81,13 @@ if [ "$1" = inside ]; then # a root folder
   plugin=$unpacked/ScalableIsosurface.py
   export PYTHONPATH="$input/site"
   pvbatch='xvfb-run -a -s -noreset pvbatch'
+  built=$(find "$here/../../build/release/lib" -name ScalableIsosurface.so 2>/dev/null | head -n 1)
   for ranks in 1 3; do
     # LoadPlugin in pvbatch of ParaView 5.9 reaches the first rank alone.
     [ $ranks = 1 ] || [ "$(cut -d . -f 1 /etc/debian_version)" != 11 ] ||
       export PV_PLUGIN_PATH="$(dirname "$plugin")"
     check "surfaces-$ranks" xvfb-run -a -s -noreset python3 -B "$plugin_tests/one_file.py" \
-      --plugins "$input/expected$ranks.json" "$plugin" --volumes "$volumes" --output "$output/surfaces$ranks" \
+      --plugins "${built:-$input/expected$ranks.json}" "$plugin" --volumes "$volumes" --output "$output/surfaces$ranks" \
       -- mpirun --oversubscribe -n "$ranks" pvbatch
   done
   unset PV_PLUGIN_PATH
@@ -107,7 +109,7 @@ if [ "$1" = inside ]; then # a root folder
 fi
 
 [ $# -ge 4 ] || {
-  sed -n '2,9p' "$0" | sed 's/^# \{0,1\}//'
+  sed -n '2,10p' "$0" | sed 's/^# \{0,1\}//'
   exit 2
 }
 build=$(cd "$1" && pwd)
