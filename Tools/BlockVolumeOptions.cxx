@@ -10,6 +10,8 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cstdlib>
+#include <optional>
 #include <utility>
 
 namespace isosurface
@@ -140,6 +142,8 @@ struct RawTexts
   bool IsGzip = false;
   std::uint64_t MemoryMebibytes = 1024;
   std::uint64_t SandboxMebibytes = 2048;
+  std::optional<std::uint64_t> CacheMebibytes;
+  std::string Endpoint;
   bool IsInfo = false;
   bool IsVerify = false;
   bool IsRepair = false;
@@ -196,6 +200,13 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
       "--threads", settings.Threads, "Threads of a rank; 0: its share of the node's cores")
     ->check(CLI::Range(0, 4096))
     ->capture_default_str();
+  app
+    .add_option("--cache", texts.CacheMebibytes,
+      "MiB of what is fetched from addresses that stay on disk; 0: none. Default: 4096, or what\n"
+      "$SCALABLE_ISOSURFACE_CACHE_BYTES says")
+    ->check(CLI::Range(std::uint64_t{ 0 }, std::uint64_t{ 1 } << 40));
+  app.add_option("--endpoint", texts.Endpoint,
+    "URL of the server of s3:// addresses. Default: $AWS_ENDPOINT_URL, or Amazon's");
   app.add_flag("--quiet", options.IsQuiet, "No progress and no summary, only errors");
 }
 
@@ -341,6 +352,16 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
   ISOSURFACE_ASSIGN_OR_RETURN(options.Settings.Compression, ParseCompression(texts.Compression));
   options.Settings.MemoryLimit = texts.MemoryMebibytes << 20;
   options.SandboxMemory = (texts.MemoryMebibytes + texts.SandboxMebibytes) << 20;
+  // Whatever opens an address looks there.
+  if (texts.CacheMebibytes)
+  {
+    const std::string bytes = std::to_string(*texts.CacheMebibytes << 20);
+    ::setenv("SCALABLE_ISOSURFACE_CACHE_BYTES", bytes.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
+  }
+  if (!texts.Endpoint.empty())
+  {
+    ::setenv("AWS_ENDPOINT_URL_S3", texts.Endpoint.c_str(), 1); // NOLINT(concurrency-mt-unsafe)
+  }
   if (!texts.Arrays.empty())
   {
     options.Arrays = SplitAtCommas(texts.Arrays);

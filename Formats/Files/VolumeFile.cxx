@@ -5,6 +5,7 @@
 #include "Formats/Files/StoredVolume.h"
 #include "Formats/Files/SurfaceFile.h"
 #include "Formats/Indexing/SourceIndex.h"
+#include "Formats/Opener/VolumeFormat.h"
 #include "Formats/Source/FolderFiles.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Volume/VolumeName.h"
@@ -31,7 +32,11 @@ Result<FileKind> FindFileKind(const std::string& name)
 {
   const VolumeName parsed = VolumeName::Parse(GetLocalFileSystem(), name);
   std::error_code error;
-  if (!std::filesystem::exists(parsed.Path, error) &&
+  if (IsAddress(parsed.Path))
+  {
+    ISOSURFACE_RETURN_IF_ERROR(CheckReadable(GetLocalFileSystem(), parsed.Path));
+  }
+  else if (!std::filesystem::exists(parsed.Path, error) &&
     FindFittingNames(GetLocalFileSystem(), parsed.Path, nullptr).empty())
   {
     return Status(StatusCode::NotFound, name + ": there is no such file or folder");

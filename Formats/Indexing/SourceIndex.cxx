@@ -7,6 +7,8 @@
 #include "Formats/Source/FolderFiles.h"
 #include "Formats/Zarr/JsonField.h"
 #include "Formats/Zarr/ZarrVolume.h"
+#include "Ground/Base/Checksum.h"
+#include "Ground/Base/RemoteCache.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/ChunkedSource.h"
@@ -29,6 +31,10 @@ constexpr std::uint64_t CacheShare = 4;
 
 std::filesystem::path MakeAbsolute(const std::string& path)
 {
+  if (IsAddress(path))
+  {
+    return path;
+  }
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::weakly_canonical(path, error);
   return error ? std::filesystem::path(path) : absolute;
@@ -38,13 +44,20 @@ std::filesystem::path MakeAbsolute(const std::string& path)
 VolumeName FindOutermost(FileSystem& files, const std::filesystem::path& chosen)
 {
   std::filesystem::path outermost = chosen;
-  while (outermost.has_parent_path() && outermost.parent_path() != outermost &&
-    IsZarrFolder(files, outermost.parent_path().string()))
+  while (!IsAddress(chosen.string()) && outermost.has_parent_path() &&
+    outermost.parent_path() != outermost && IsZarrFolder(files, outermost.parent_path().string()))
   {
     outermost = outermost.parent_path();
   }
   const std::string within = chosen.lexically_relative(outermost).generic_string();
   return { outermost.string(), within == "." ? "" : within };
+}
+
+/// Where the index of an address is, in the user's cache: a folder for each.
+std::filesystem::path FindFolderOfAddress(const std::string& address)
+{
+  return std::filesystem::path(RemoteCache::FindFolder()) / "indexes" /
+    FormatChecksum(ComputeChecksum(address.data(), address.size()));
 }
 
 /// Whether it is a volume that can be indexed. Images of one slice are left to readers of images.
@@ -152,7 +165,9 @@ SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
   {
     file += ".index";
   }
-  const std::filesystem::path parent = folder.empty() ? source.parent_path() : MakeAbsolute(folder);
+  const std::filesystem::path parent = !folder.empty() ? MakeAbsolute(folder)
+    : IsAddress(name.Path)                             ? FindFolderOfAddress(name.Path)
+                                                       : source.parent_path();
   return { name.GetText(), axes, (parent / (file + ".bvol")).string(), {} };
 }
 

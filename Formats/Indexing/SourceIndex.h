@@ -34,7 +34,7 @@ struct SourceIndex
    * a folder (.zgroup, .zattrs, .zarray, zarr.json, attributes.json), which stands for the folder.
    * Groups and arrays inside a Zarr belong to the outermost folder. `dataset`: what is meant within
    * the file or that folder; empty: what was chosen. `folder`: of the index; empty: beside the
-   * source. Of scan.zarr it is scan.zarr.bvol, of run.h5:/entry/data run.h5-entry-data.bvol, of the
+   * source, or, of an address, in the user's cache folder. Of scan.zarr it is scan.zarr.bvol, of run.h5:/entry/data run.h5-entry-data.bvol, of the
    * folder "rock" rock.index.bvol, since rock.bvol is what users call a copy of it.
    */
   static SourceIndex Find(FileSystem& files, const std::string& chosen, const std::string& dataset,

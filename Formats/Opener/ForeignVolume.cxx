@@ -40,6 +40,12 @@ Result<OpenedVolume> OpenFormat(
       name.GetText() + ": cannot be read with the axes \"" + choice.Axes + "\": those of " +
         std::string(format->Name) + " files are given");
   }
+  if (IsAddress(name.Path) && format->IsLocal)
+  {
+    return Status(StatusCode::Unsupported,
+      name.Path + ": cannot be read: " + std::string(format->Name) +
+        " is read from a disk alone; download it, and open the copy");
+  }
   ISOSURFACE_ASSIGN_OR_RETURN(const auto functions, format->Load(name.Path));
   if (!name.Within.empty() && !functions.List)
   {

@@ -152,11 +152,11 @@ const std::vector<VolumeFormat>& GetFormats()
     { "MRC", { ".mrc", ".mrc.gz", ".map", ".map.gz", ".ccp4", ".rec", ".ali", ".st", ".mrcs" },
       { { "MAP", 208 } }, nullptr, { OpenMrcVolume } },
     { "HDF5", { ".h5", ".hdf5", ".he5", ".vtkhdf", ".nxs", ".emd", ".ims", ".dream3d", ".mat" },
-      { { Hdf5Mark } }, nullptr, {}, "Hdf5Format", true },
+      { { Hdf5Mark } }, nullptr, {}, "Hdf5Format", true, true },
     { "NetCDF", { ".nc", ".nc4", ".cdf" }, { { "CDF\1" }, { "CDF\2" }, { "CDF\5" } }, nullptr, {},
-      "NetcdfFormat", true },
+      "NetcdfFormat", true, true },
     { "Zarr", {}, {}, IsZarr, { OpenZarrVolume, ListZarr }, nullptr, true },
-    { DicomName, { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat" },
+    { DicomName, { ".dcm" }, { DicomMark }, HasDicom, {}, "DicomFormat", false, true },
     { TiffName, { ".tif", ".tiff" }, {}, IsStack, {}, "TiffFormat", true },
     { RawName, { ".raw", ".raw.gz" }, {}, nullptr, RawSamplesFormat },
   };
@@ -225,6 +225,10 @@ const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
   {
     return named;
   }
+  if (IsAddress(name.Path) && IsZarrFolder(files, name.Path))
+  {
+    return FindFormat([](const VolumeFormat& format) { return format.IsFolder == IsZarr; });
+  }
   const std::string start = ReadStart(files, FindNiftiHeader(name.Path));
   const VolumeFormat* const marked = FindFormat(
     [&start](const VolumeFormat& format)
@@ -242,6 +246,11 @@ const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name)
 
 Status CheckReadable(FileSystem& files, const std::string& path)
 {
+  if (IsAddress(path))
+  {
+    const auto file = files.OpenForReading(path);
+    return file.IsOk() || IsZarrFolder(files, path) ? Status::Ok() : file.GetStatus();
+  }
   const auto names = files.List(path);
   const std::string header = FindNiftiHeader(path);
   std::error_code error;

@@ -31,6 +31,7 @@ struct VolumeFormat
   FormatFunctions Functions;    ///< if this library has them
   const char* Module = nullptr; ///< which has them otherwise (LoadFormatModule)
   bool TakesAxes = false;       ///< whether VolumeChoice::Axes may say what the axes are
+  bool IsLocal = false; ///< whether a library opens the files by itself, on the local disk alone
 
   /// Whether a file of this name is of the format, whatever is in it.
   bool HasExtension(const std::string& path) const;
@@ -48,7 +49,8 @@ std::string ListFormatNames();
 /// exist have one if their extension tells.
 const VolumeFormat* FindVolumeFormat(FileSystem& files, const VolumeName& name);
 
-/// An error if there is a file or folder that cannot be read, which then has no format.
+/// An error if there is a file or folder that cannot be read, which then has no format, or if there is
+/// nothing at an address.
 Status CheckReadable(FileSystem& files, const std::string& path);
 
 /// The files of a pattern that are volumes of one format each, in the order of the numbers in their

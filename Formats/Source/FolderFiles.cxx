@@ -179,7 +179,8 @@ std::string FindExtension(const std::string& path)
 
 bool IsNamePattern(const std::string& path)
 {
-  return std::filesystem::path(path).filename().string().find_first_of("*?") != std::string::npos;
+  return !IsAddress(path) &&
+    std::filesystem::path(path).filename().string().find_first_of("*?") != std::string::npos;
 }
 
 std::vector<std::string> ListNames(FileSystem& files, const std::string& folder)

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -162,7 +161,7 @@ std::optional<std::string> HeaderLines::TakeLine()
 
 std::string HeaderLines::ResolvePath(const std::string& name) const
 {
-  return (std::filesystem::path(this->Path).parent_path() / name).string();
+  return FindBeside(this->Path, name);
 }
 
 } // namespace isosurface

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 
 namespace isosurface
@@ -11,8 +10,7 @@ namespace isosurface
 
 std::string TiffFiles::FindPath(const std::string& name) const
 {
-  return name.empty() ? this->Own
-                      : (std::filesystem::path(this->Own).parent_path() / name).string();
+  return name.empty() ? this->Own : FindBeside(this->Own, name);
 }
 
 Result<TiffFiles::ReadFile*> TiffFiles::Open(const std::string& path)

@@ -2,17 +2,23 @@
 #include "Formats/Zarr/ZarrArray.h"
 
 #include "Formats/Source/ConvertedSource.h"
+#include "Ground/Base/FirstFailure.h"
+#include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <tuple>
 
 namespace isosurface
 {
 namespace
 {
 
+/// Chunks of an address that are fetched at once, and their bytes.
+constexpr std::uint64_t MostAtOnce = 16;
+constexpr std::uint64_t BytesAtOnce = std::uint64_t{ 128 } << 20;
+/// Shards of an address whose indices are kept.
+constexpr std::size_t KeptShards = 64;
 constexpr std::uint64_t Missing = std::numeric_limits<std::uint64_t>::max();
 
 /// Encoded chunks are hardly larger than decoded ones.
@@ -88,17 +94,42 @@ ZarrArray::ZarrArray(
     FindChunkCacheSize(this->Metadata.Shape, this->Metadata.Chunk, this->StoredSize, cacheBytes);
   this->ChunkBytes = static_cast<std::size_t>(cache.ChunkBytes);
   this->CacheBytes = cache.Bytes;
+  if (IsAddress(this->Folder) && cacheBytes > 0) // or one chunk at a time is asked for
+  {
+    this->AtOnce = static_cast<std::size_t>(std::clamp<std::uint64_t>(
+      BytesAtOnce / std::max<std::uint64_t>(1, this->ChunkBytes), 1, MostAtOnce));
+  }
 }
 
 std::uint64_t ZarrArray::GetHeldBytes() const
 {
-  std::uint64_t inShard = this->Metadata.HasShards ? 1 : 0;
+  // The index of a shard is read into a buffer first.
+  const std::uint64_t shards = this->AtOnce > 1 ? KeptShards : 1;
+  const std::uint64_t index = this->Metadata.HasShards ? 33 * shards * this->CountInShard() : 0;
+  return this->CacheBytes +
+    this->AtOnce * (this->ChunkBytes + FindMaximumEncoded(this->ChunkBytes)) + index;
+}
+
+std::size_t ZarrArray::CountInShard() const
+{
+  std::size_t count = 1;
   for (std::size_t axis = 0; axis < this->Metadata.Shape.size(); ++axis)
   {
-    inShard *= static_cast<std::uint64_t>(this->Metadata.Shard[axis] / this->Metadata.Chunk[axis]);
+    count *= static_cast<std::size_t>(this->Metadata.Shard[axis] / this->Metadata.Chunk[axis]);
   }
-  // The index of a shard is read into a buffer first.
-  return this->CacheBytes + this->ChunkBytes + FindMaximumEncoded(this->ChunkBytes) + 33 * inShard;
+  return count;
+}
+
+std::size_t ZarrArray::CountIndexBytes() const
+{
+  return 16 * this->CountInShard() + 4 * this->Metadata.IndexCodecs.size();
+}
+
+std::int64_t ZarrArray::FindFirstPart() const
+{
+  const auto bytes = static_cast<std::int64_t>(
+    this->Metadata.HasShards ? this->CountIndexBytes() : FindMaximumEncoded(this->ChunkBytes));
+  return this->Metadata.HasShards && !this->Metadata.IsIndexAtStart ? -bytes : bytes;
 }
 
 std::string ZarrArray::MakeKey(const Numbers& file) const
@@ -155,65 +186,98 @@ Result<ZarrArray::Samples> ZarrArray::Decode(
     ISOSURFACE_RETURN_IF_ERROR(file.Read(offset, decoded, samples));
     return allocated;
   }
-  this->Encoded.resize(static_cast<std::size_t>(size));
-  ISOSURFACE_RETURN_IF_ERROR(file.Read(offset, this->Encoded.size(), this->Encoded.data()));
-  if (!DecodeZarr(this->Metadata.Encoding.Codecs, this->Encoded.data(), this->Encoded.size(),
-        samples, decoded))
+  Bytes encoded(static_cast<std::size_t>(size));
+  ISOSURFACE_RETURN_IF_ERROR(file.Read(offset, encoded.size(), encoded.data()));
+  if (!DecodeZarr(this->Metadata.Encoding.Codecs, encoded.data(), encoded.size(), samples, decoded))
   {
     return this->MakeError(file.GetPath(), "a chunk is damaged or truncated: it cannot be decoded");
   }
   return allocated;
 }
 
-Status ZarrArray::FindInShard(const RandomAccessFile& file, const Numbers& shard,
-  const Numbers& chunk, std::uint64_t& offset, std::uint64_t& size)
+Status ZarrArray::ReadIndex(Shard& shard) const
 {
-  std::size_t count = 1;
-  std::size_t number = 0;
+  const RandomAccessFile& file = *shard.File;
+  const std::size_t count = this->CountInShard();
+  Bytes stored(this->CountIndexBytes());
+  Bytes index(16 * count);
+  if (file.GetSize() < stored.size())
+  {
+    return this->MakeError(file.GetPath(), "truncated: the shard has no whole index");
+  }
+  const std::uint64_t begin = this->Metadata.IsIndexAtStart ? 0 : file.GetSize() - stored.size();
+  ISOSURFACE_RETURN_IF_ERROR(file.Read(begin, stored.size(), stored.data()));
+  if (!DecodeZarr(
+        this->Metadata.IndexCodecs, stored.data(), stored.size(), index.data(), index.size()))
+  {
+    return this->MakeError(
+      file.GetPath(), "truncated or damaged: the checksum of the shard's index is wrong");
+  }
+  shard.Index.resize(count);
+  for (std::size_t entry = 0; entry < count; ++entry)
+  {
+    const std::uint8_t* at = index.data() + 16 * entry;
+    shard.Index[entry] = { GetNumber(at, 8, this->Metadata.IsIndexBigEndian),
+      GetNumber(at + 8, 8, this->Metadata.IsIndexBigEndian) };
+  }
+  return Status::Ok();
+}
+
+Result<std::shared_ptr<ZarrArray::Shard>> ZarrArray::OpenShard(const Numbers& number)
+{
+  std::shared_ptr<Shard> shard;
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    if (this->Shards.size() >= (this->AtOnce > 1 ? KeptShards : 1) &&
+      this->Shards.count(number) == 0)
+    {
+      this->Shards.clear();
+    }
+    std::shared_ptr<Shard>& kept = this->Shards[number];
+    kept = kept ? kept : std::make_shared<Shard>();
+    shard = kept;
+  }
+  const std::lock_guard<std::mutex> lock(shard->Mutex);
+  if (!shard->IsOpened)
+  {
+    auto file = this->Files.OpenPart(this->MakeKey(number), this->FindFirstPart());
+    if (file.IsOk())
+    {
+      shard->File = std::move(*file);
+      ISOSURFACE_RETURN_IF_ERROR(this->ReadIndex(*shard));
+    }
+    else if (file.GetStatus().GetCode() != StatusCode::NotFound)
+    {
+      return file.GetStatus();
+    }
+    shard->IsOpened = true;
+  }
+  return shard;
+}
+
+Result<ZarrArray::Samples> ZarrArray::LoadFromShard(const Numbers& number, const Numbers& chunk)
+{
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto shard, this->OpenShard(number));
+  if (!shard->File)
+  {
+    return Samples();
+  }
+  std::size_t entry = 0;
   for (std::size_t axis = 0; axis < chunk.size(); ++axis)
   {
     const std::int64_t inShard = this->Metadata.Shard[axis] / this->Metadata.Chunk[axis];
-    count *= static_cast<std::size_t>(inShard);
-    number =
-      number * static_cast<std::size_t>(inShard) + static_cast<std::size_t>(chunk[axis] % inShard);
+    entry =
+      entry * static_cast<std::size_t>(inShard) + static_cast<std::size_t>(chunk[axis] % inShard);
   }
-  if (this->IndexShard != shard || this->Index.size() != count)
-  {
-    this->IndexShard.clear();
-    const std::size_t checksums = 4 * this->Metadata.IndexCodecs.size();
-    if (file.GetSize() < 16 * count + checksums)
-    {
-      return this->MakeError(file.GetPath(), "truncated: the shard has no whole index");
-    }
-    Bytes stored(16 * count + checksums);
-    Bytes index(16 * count);
-    const std::uint64_t begin = this->Metadata.IsIndexAtStart ? 0 : file.GetSize() - stored.size();
-    ISOSURFACE_RETURN_IF_ERROR(file.Read(begin, stored.size(), stored.data()));
-    if (!DecodeZarr(
-          this->Metadata.IndexCodecs, stored.data(), stored.size(), index.data(), index.size()))
-    {
-      return this->MakeError(
-        file.GetPath(), "truncated or damaged: the checksum of the shard's index is wrong");
-    }
-    this->Index.resize(count);
-    for (std::size_t entry = 0; entry < count; ++entry)
-    {
-      const std::uint8_t* at = index.data() + 16 * entry;
-      this->Index[entry] = { GetNumber(at, 8, this->Metadata.IsIndexBigEndian),
-        GetNumber(at + 8, 8, this->Metadata.IsIndexBigEndian) };
-    }
-    this->IndexShard = shard;
-  }
-  std::tie(offset, size) = this->Index[number];
+  const auto [offset, size] = shard->Index[entry];
   if (offset == Missing && size == Missing)
   {
-    offset = 0;
-    size = 0;
-    return Status::Ok();
+    return Samples();
   }
-  return offset <= file.GetSize() && size <= file.GetSize() - offset && size > 0
-    ? Status::Ok()
-    : this->MakeError(file.GetPath(), "the shard's index is damaged");
+  const std::uint64_t end = shard->File->GetSize();
+  return offset <= end && size <= end - offset && size > 0
+    ? this->Decode(*shard->File, offset, size, this->ChunkBytes)
+    : this->MakeError(shard->File->GetPath(), "the shard's index is damaged");
 }
 
 Result<ZarrArray::Samples> ZarrArray::LoadFromN5(const RandomAccessFile& file)
@@ -281,50 +345,69 @@ Result<ZarrArray::Samples> ZarrArray::LoadChunk(const Numbers& chunk)
   {
     shard[axis] = chunk[axis] / (this->Metadata.Shard[axis] / this->Metadata.Chunk[axis]);
   }
-  const std::string path = this->MakeKey(shard);
-  const auto file = this->Files.OpenForReading(path);
+  if (this->Metadata.HasShards)
+  {
+    return this->LoadFromShard(shard, chunk);
+  }
+  const auto file = this->Files.OpenPart(this->MakeKey(chunk), this->FindFirstPart());
   if (!file.IsOk())
   {
     return file.GetStatus().GetCode() == StatusCode::NotFound ? Result<Samples>(Samples())
                                                               : Result<Samples>(file.GetStatus());
   }
-  if (this->Metadata.IsN5)
-  {
-    return this->LoadFromN5(**file);
-  }
-  std::uint64_t offset = 0;
-  std::uint64_t size = (*file)->GetSize();
-  if (this->Metadata.HasShards)
-  {
-    ISOSURFACE_RETURN_IF_ERROR(this->FindInShard(**file, shard, chunk, offset, size));
-    if (size == 0)
-    {
-      return Samples();
-    }
-  }
-  return this->Decode(**file, offset, size, this->ChunkBytes);
+  return this->Metadata.IsN5 ? this->LoadFromN5(**file)
+                             : this->Decode(**file, 0, (*file)->GetSize(), this->ChunkBytes);
 }
 
-Result<ZarrArray::Samples> ZarrArray::TakeChunk(const Numbers& chunk, bool isKept)
+void ZarrArray::KeepChunk(const Numbers& chunk, const Samples& samples)
 {
-  const auto found = this->Cached.find(chunk);
-  if (found != this->Cached.end())
+  if (!samples || this->ChunkBytes > this->CacheBytes)
   {
-    this->Cache.splice(this->Cache.begin(), this->Cache, found->second);
-    return this->Cache.front().Decoded;
+    return;
   }
-  auto samples = this->LoadChunk(chunk);
-  if (samples.IsOk() && *samples && isKept && this->ChunkBytes <= this->CacheBytes)
+  while ((this->Cache.size() + 1) * this->ChunkBytes > this->CacheBytes)
   {
-    while ((this->Cache.size() + 1) * this->ChunkBytes > this->CacheBytes)
+    this->Cached.erase(this->Cache.back().Chunk);
+    this->Cache.pop_back();
+  }
+  this->Cache.push_front({ chunk, samples });
+  this->Cached[chunk] = this->Cache.begin();
+}
+
+Status ZarrArray::CopyChunks(
+  const std::vector<Wanted>& chunks, const Numbers& low, const Numbers& size, std::uint8_t* to)
+{
+  FirstFailure failure;
+  std::vector<Samples> samples(chunks.size());
+  ParallelFor(chunks.size(), static_cast<int>(chunks.size()),
+    [&](std::size_t number, int)
     {
-      this->Cached.erase(this->Cache.back().Chunk);
-      this->Cache.pop_back();
+      if (this->Cached.count(chunks[number].Chunk) == 0)
+      {
+        auto loaded = this->LoadChunk(chunks[number].Chunk);
+        failure.Keep(loaded.GetStatus());
+        samples[number] = loaded.IsOk() ? std::move(*loaded) : Samples();
+      }
+    });
+  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
+  for (std::size_t number = 0; number < chunks.size(); ++number)
+  {
+    const Numbers& chunk = chunks[number].Chunk;
+    if (const auto found = this->Cached.find(chunk); found != this->Cached.end())
+    {
+      this->Cache.splice(this->Cache.begin(), this->Cache, found->second);
+      samples[number] = this->Cache.front().Decoded;
     }
-    this->Cache.push_front({ chunk, *samples });
-    this->Cached[chunk] = this->Cache.begin();
+    this->CopyChunk(samples[number].get(), chunk, low, size, to);
   }
-  return samples;
+  for (std::size_t number = 0; number < chunks.size(); ++number)
+  {
+    if (chunks[number].IsPart && this->Cached.count(chunks[number].Chunk) == 0)
+    {
+      this->KeepChunk(chunks[number].Chunk, samples[number]);
+    }
+  }
+  return Status::Ok();
 }
 
 void ZarrArray::CopyChunk(const std::uint8_t* samples, const Numbers& chunk, const Numbers& low,
@@ -402,10 +485,11 @@ Status ZarrArray::Read(const Numbers& low, const Numbers& size, std::uint8_t* to
     first[axis] = low[axis] / this->Metadata.Chunk[axis];
     end[axis] = (low[axis] + size[axis] - 1) / this->Metadata.Chunk[axis] + 1;
   }
+  std::vector<Wanted> wanted;
   Numbers chunk = first;
-  do
+  bool isMore = true;
+  while (isMore)
   {
-    // A part is kept if the rest is there, but not asked for.
     bool isPart = false;
     for (std::size_t axis = 0; axis < rank; ++axis)
     {
@@ -414,9 +498,14 @@ Status ZarrArray::Read(const Numbers& low, const Numbers& size, std::uint8_t* to
         std::min(begin + this->Metadata.Chunk[axis], this->Metadata.Shape[axis]);
       isPart = isPart || begin < low[axis] || stop > low[axis] + size[axis];
     }
-    ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, this->TakeChunk(chunk, isPart));
-    this->CopyChunk(samples.get(), chunk, low, size, to);
-  } while (Advance(chunk, first, end));
+    wanted.push_back({ chunk, isPart });
+    isMore = Advance(chunk, first, end);
+    if (!isMore || wanted.size() == this->AtOnce)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->CopyChunks(wanted, low, size, to));
+      wanted.clear();
+    }
+  }
   return Status::Ok();
 }
 

@@ -10,6 +10,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,7 +21,7 @@ namespace isosurface
 /**
  * An array of Zarr 2, Zarr 3 or N5 in a folder. Chunks that do not exist have the fill value. A chunk
  * that a box touches is decoded; those of which a box needs a part are kept as long as the cache has
- * room, because the next box probably needs the rest.
+ * room, because the next box probably needs the rest. Of an address, several chunks are fetched at once.
  */
 class ZarrArray : public StoredArray
 {
@@ -46,18 +47,39 @@ private:
     Numbers Chunk;
     Samples Decoded;
   };
+  /// A chunk that a box needs.
+  struct Wanted
+  {
+    Numbers Chunk;
+    bool IsPart = false; ///< kept: the rest is there, but not asked for
+  };
+  struct Shard
+  {
+    std::mutex Mutex; ///< of what follows
+    bool IsOpened = false;
+    std::shared_ptr<RandomAccessFile> File; ///< null if the shard does not exist
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> Index; ///< offsets and sizes
+  };
 
   std::string MakeKey(const Numbers& file) const;
   Status MakeError(const std::string& path, const std::string& reason) const;
   /// Memory for decoded samples. Large chunks are not of the heap, which would not give them back.
   Result<Samples> Allocate(std::size_t bytes);
-  /// A chunk as it is stored, of the cache if it is there.
-  Result<Samples> TakeChunk(const Numbers& chunk, bool isKept);
+  /// Copies chunks, of the cache if they are there, to a box.
+  Status CopyChunks(
+    const std::vector<Wanted>& chunks, const Numbers& low, const Numbers& size, std::uint8_t* to);
+  void KeepChunk(const Numbers& chunk, const Samples& samples);
+  /// A chunk as it is stored. Any thread may call it.
   Result<Samples> LoadChunk(const Numbers& chunk);
+  /// What is to be read first of a file: the index of a shard, or all of a chunk.
+  std::int64_t FindFirstPart() const;
+  std::size_t CountInShard() const;
+  std::size_t CountIndexBytes() const;
+  /// The shard with its index.
+  Result<std::shared_ptr<Shard>> OpenShard(const Numbers& number);
   Result<Samples> LoadFromN5(const RandomAccessFile& file);
-  /// Finds the bytes of a chunk in a shard; an empty range if the chunk does not exist.
-  Status FindInShard(const RandomAccessFile& file, const Numbers& shard, const Numbers& chunk,
-    std::uint64_t& offset, std::uint64_t& size);
+  Status ReadIndex(Shard& shard) const;
+  Result<Samples> LoadFromShard(const Numbers& number, const Numbers& chunk);
   Result<Samples> Decode(
     const RandomAccessFile& file, std::uint64_t offset, std::uint64_t size, std::size_t decoded);
   /// Copies what a chunk and a box have in common.
@@ -70,12 +92,12 @@ private:
   std::size_t StoredSize; ///< bytes of a sample in a chunk
   std::size_t ChunkBytes;
   std::size_t CacheBytes;
+  std::size_t AtOnce = 1; ///< chunks that are loaded at the same time
   std::shared_ptr<PageBufferPool> Pool;
-  Bytes Encoded;
   std::list<Entry> Cache; ///< the last one used first
   std::map<Numbers, std::list<Entry>::iterator> Cached;
-  Numbers IndexShard;                                         ///< whose index is Index
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> Index; ///< offsets and sizes in the shard
+  std::mutex Mutex; ///< of Shards
+  std::map<Numbers, std::shared_ptr<Shard>> Shards;
 };
 
 } // namespace isosurface

@@ -80,6 +80,16 @@ void FindChunks(
   const std::size_t rank = metadata.Shape.size();
   const bool hasPrefix = !metadata.KeyPrefix.empty();
   const std::string first = MakeFirstName(metadata.Separator, hasPrefix, rank);
+  if (IsAddress(folder))
+  {
+    // Nobody lists the chunks, and the first one may be missing as any other.
+    const std::string otherwise = metadata.Separator == "." ? "/" : ".";
+    const bool isOther = !metadata.HasSeparator && rank > 1 &&
+      !files.Exists(folder + "/" + first) &&
+      files.Exists(folder + "/" + MakeFirstName(otherwise, hasPrefix, rank));
+    metadata.Separator = isOther ? otherwise : metadata.Separator;
+    return;
+  }
   if (files.Exists(folder + "/" + first) ||
     HasChunk(files, folder, metadata.Separator, hasPrefix, rank))
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Zarr/JsonField.h"
 #include "Formats/Zarr/ZarrMetadata.h"
+#include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Base/JsonDepth.h"
 
 #include <utility>
@@ -85,6 +86,7 @@ Result<ZarrNode> ZarrNode::Read(FileSystem& files, const std::string& folder)
 {
   ZarrNode node;
   node.Attributes = Json::object();
+  LookForZarr(files, folder);
   ISOSURFACE_ASSIGN_OR_RETURN(auto third, ReadJson(files, folder + "/zarr.json"));
   if (third.is_object())
   {

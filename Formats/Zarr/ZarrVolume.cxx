@@ -246,7 +246,7 @@ private:
     ISOSURFACE_RETURN_IF_ERROR(
       TakeVolumeArrays(std::move(parts), this->Choice.Arrays, this->Volume));
     this->Axes = *axes;
-    this->Volume.Files = { folder };
+    this->Volume.Files = this->FindFiles(folder);
     this->Volume.Storage = node.Array.dump();
     this->Attributes.update(node.Attributes);
     if (!isImage)
@@ -254,6 +254,20 @@ private:
       this->TakeArrayPlace(folder, node, names);
     }
     return Status::Ok();
+  }
+
+  /// What tells whether the array was changed: of an address, which nobody can list, its metadata.
+  std::vector<std::string> FindFiles(const std::string& folder)
+  {
+    std::vector<std::string> paths;
+    for (const char* const name : MetadataNames)
+    {
+      if (IsAddress(folder) && this->Files.Exists(folder + "/" + name))
+      {
+        paths.push_back(folder + "/" + name);
+      }
+    }
+    return paths.empty() ? std::vector<std::string>{ folder } : paths;
   }
 
   /// Tells the attributes of an array that nothing here is read from.
@@ -550,8 +564,19 @@ bool IsZarrMetadata(const std::string& name)
     std::end(MetadataNames);
 }
 
+void LookForZarr(FileSystem& files, const std::string& folder)
+{
+  std::vector<std::string> paths;
+  for (const char* const name : MetadataNames)
+  {
+    paths.push_back(folder + "/" + name);
+  }
+  files.LookFor(paths);
+}
+
 bool IsZarrFolder(FileSystem& files, const std::string& path)
 {
+  LookForZarr(files, path);
   return std::any_of(std::begin(MetadataNames), std::end(MetadataNames),
     [&](const char* name) { return files.Exists(path + "/" + name); });
 }

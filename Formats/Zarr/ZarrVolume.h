@@ -32,6 +32,8 @@ Result<std::vector<VolumeListing>> ListZarr(FileSystem& files, const VolumeName&
 
 /// Whether a file of this name has metadata of Zarr or N5.
 bool IsZarrMetadata(const std::string& name);
+/// Hints that the metadata of a folder will be read (FileSystem::LookFor).
+void LookForZarr(FileSystem& files, const std::string& folder);
 /// Whether a folder has such a file.
 bool IsZarrFolder(FileSystem& files, const std::string& path);
 

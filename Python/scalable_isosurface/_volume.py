@@ -552,7 +552,8 @@ class Volume:
 
     def __reduce__(self) -> Any:
         path, axes, folder, threads = self._opened.how
-        how = os.path.abspath(path), axes, folder and os.path.abspath(folder), threads
+        path = path if "://" in path else os.path.abspath(path)
+        how = path, axes, folder and os.path.abspath(folder), threads
         return _reopen, (*how, self.name, self._step, self._level)
 
 

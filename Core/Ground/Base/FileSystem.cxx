@@ -3,6 +3,7 @@
 
 #include "Ground/Base/DescriptorPool.h"
 #include "Ground/Base/ReadingStop.h"
+#include "Ground/Base/RemoteFileSystem.h"
 #include "Ground/Base/UsedFileSystem.h"
 
 #include <algorithm>
@@ -268,9 +269,28 @@ class LocalFileSystem : public FileSystem
 public:
   Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) override
   {
+    if (IsAddress(path))
+    {
+      return RemoteFileSystem::Get().OpenForReading(path);
+    }
     ISOSURFACE_ASSIGN_OR_RETURN(
       auto file, PooledFile::Open(this->Descriptors, path, O_RDONLY, "open"));
     return std::unique_ptr<RandomAccessFile>(new LocalRandomAccessFile(std::move(file)));
+  }
+
+  Result<std::unique_ptr<RandomAccessFile>> OpenPart(
+    const std::string& path, std::int64_t bytes) override
+  {
+    return IsAddress(path) ? RemoteFileSystem::Get().OpenPart(path, bytes)
+                           : this->OpenForReading(path);
+  }
+
+  void LookFor(const std::vector<std::string>& paths) override
+  {
+    if (!paths.empty() && IsAddress(paths.front()))
+    {
+      RemoteFileSystem::Get().LookFor(paths);
+    }
   }
 
   Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) override
@@ -305,6 +325,10 @@ public:
 
   Status MakeDirectories(const std::string& path) override
   {
+    if (IsAddress(path))
+    {
+      return RemoteFileSystem::Get().MakeDirectories(path);
+    }
     std::error_code error;
     std::filesystem::create_directories(path, error);
     return error ? MakeSystemError(path, "create folder", error.value()) : Status::Ok();
@@ -325,6 +349,10 @@ public:
 
   bool Exists(const std::string& path) override
   {
+    if (IsAddress(path))
+    {
+      return RemoteFileSystem::Get().Exists(path);
+    }
     // What nobody may look at is told by whoever opens it.
     std::error_code error;
     return std::filesystem::exists(path, error) || error == std::errc::permission_denied;
@@ -333,6 +361,10 @@ public:
   Result<std::vector<std::string>> List(const std::string& path) override
   {
     std::vector<std::string> names;
+    if (IsAddress(path))
+    {
+      return names;
+    }
     std::error_code error;
     for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end;
          entry.increment(error))
@@ -349,6 +381,10 @@ public:
 
   Result<FileState> FindState(const std::string& path) override
   {
+    if (IsAddress(path))
+    {
+      return RemoteFileSystem::Get().FindState(path);
+    }
     FileState state;
     const int error = AddState(path, state);
     return error != 0 ? Result<FileState>(MakeSystemError(path, "look at", error)) : state;
@@ -402,7 +438,7 @@ public:
 
   Status CheckRegular(const std::string& path, const char* action) override
   {
-    return CheckRegularFile(path, action);
+    return IsAddress(path) ? Status::Ok() : CheckRegularFile(path, action);
   }
 
   Status SyncDirectory(const std::string& path) override
@@ -457,6 +493,14 @@ std::atomic<FileSystem*> OtherFileSystem = nullptr; ///< UseFileSystem
 } // namespace
 
 thread_local const Progress* ReadingStop::Current = nullptr;
+
+std::string FindBeside(const std::string& path, const std::string& name)
+{
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return IsAddress(path) ? folder.string() + "/" + name
+    : IsAddress(name)    ? (folder / ".").string() + "/" + name
+                         : (folder / name).string();
+}
 
 std::string HidePath(const std::string& path)
 {

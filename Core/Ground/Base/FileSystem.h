@@ -53,6 +53,11 @@ public:
   virtual bool IsExclusive() const { return false; }
 };
 
+/// Whether a path is the address of an object on the web: http://, https:// or s3://.
+bool IsAddress(const std::string& path);
+/// So many threads, or more if the path is an address, where each waits for a server most of the time.
+int ChooseReadingThreads(const std::string& path, int threads);
+
 /// What tells whether files were changed, without reading them.
 struct FileState
 {
@@ -76,6 +81,16 @@ class FileSystem
 public:
   virtual ~FileSystem() = default;
   virtual Result<std::unique_ptr<RandomAccessFile>> OpenForReading(const std::string& path) = 0;
+  /// The same of a file of which the first bytes are read first, or, if negative, the last ones: an
+  /// address is asked for them at once, and for exactly what else is read.
+  virtual Result<std::unique_ptr<RandomAccessFile>> OpenPart(
+    const std::string& path, std::int64_t /*bytes*/)
+  {
+    return this->OpenForReading(path);
+  }
+  /// Hints that these files, of which some may not exist, will be opened soon: addresses are asked for
+  /// all of them at once.
+  virtual void LookFor(const std::vector<std::string>&) {}
   /// Creates the file. An existing one is emptied.
   virtual Result<std::unique_ptr<WritableFile>> CreateForWriting(const std::string& path) = 0;
   /// Opens an existing file for WriteAt(). Several programs may do so at once.
@@ -127,10 +142,14 @@ public:
   virtual Status SyncDirectory(const std::string& path) = 0;
 };
 
+/// A file that another one names, seen from the folder of that one. A file at an address names others of its
+/// server alone, and a local file no address.
+std::string FindBeside(const std::string& path, const std::string& name);
+
 /// The path with a dot before its name, which file dialogs and `ls` hide.
 std::string HidePath(const std::string& path);
 
-/// The local file system; any thread may use it. All files of the process share a limited number of
+/// The local file system, and objects on the web by their addresses (RemoteFileSystem); any thread may use it. All files of the process share a limited number of
 /// descriptors (DescriptorPool). What is no regular file is refused at once, without waiting.
 FileSystem& GetLocalFileSystem();
 

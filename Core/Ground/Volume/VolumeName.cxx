@@ -26,6 +26,13 @@ bool IsPatternThere(FileSystem& files, const std::string& path)
 VolumeName VolumeName::Parse(FileSystem& files, const std::string& text)
 {
   std::size_t colon = text.rfind(':');
+  if (IsAddress(text))
+  {
+    const std::size_t host = text.find("://") + 3;
+    return colon < text.find('/', host) || colon < host || colon == std::string::npos
+      ? VolumeName{ text, "" }
+      : VolumeName{ text.substr(0, colon), text.substr(colon + 1) };
+  }
   if (colon == std::string::npos || IsThere(files, text))
   {
     return { text, "" };

@@ -17,7 +17,8 @@ struct VolumeName
   std::string Within; ///< empty: the file says what to take
 
   /// Splits at the last colon before which there is a file, folder or pattern. A name that exists as it
-  /// stands, or of which nothing exists, is a path as a whole.
+  /// stands, or of which nothing exists, is a path as a whole. An address is split at its last colon behind
+  /// the host, whatever exists.
   static VolumeName Parse(FileSystem& files, const std::string& text);
 
   /// "path:within", or "path".

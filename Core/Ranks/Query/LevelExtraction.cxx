@@ -39,15 +39,16 @@ Status ExtractPlanned(
   ContourRequest request = task.Request;
   request.Lines = volume.GetLines(level);
   const GridGeometry geometry = volume.GetHeader().Grid.Coarsen(level);
+  const int threads = volume.ChooseThreads(query.TimeStep, task.Threads);
   const auto extract = [&]
   {
     if (!counters)
     {
-      return ExtractSurface(geometry, source, request, task.Threads, task.Advance);
+      return ExtractSurface(geometry, source, request, threads, task.Advance);
     }
-    BlockClaims claims(*counters, query.Rank, std::move(plan.Firsts), task.Threads,
+    BlockClaims claims(*counters, query.Rank, std::move(plan.Firsts), threads,
       [&source](std::size_t begin, std::size_t end) { source.ReadOthersAhead(begin, end); });
-    return ExtractQueuedSurface(geometry, source, request, claims, task.Threads, task.Advance);
+    return ExtractQueuedSurface(geometry, source, request, claims, threads, task.Advance);
   };
   auto extracted = extract();
   reading.Add(source.GetStatistics());

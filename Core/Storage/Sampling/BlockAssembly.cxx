@@ -142,7 +142,8 @@ Status VisitBlocks(BlockedVolume& volume, std::size_t timeStep, std::size_t vari
     visit(blocks[block], decoded->View);
     return Status::Ok();
   };
-  return ReadInParallel(blocks.size(), threads, read, statistics, progress);
+  return ReadInParallel(
+    blocks.size(), volume.ChooseThreads(timeStep, threads), read, statistics, progress);
 }
 
 Status ReadInParallel(std::size_t count, int threads, const ReadingStep& step,

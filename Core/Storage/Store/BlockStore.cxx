@@ -59,7 +59,7 @@ Result<std::shared_ptr<BlockStore>> BlockStore::Open(FileSystem& files, const st
   const BlockedVolumeHeader& header, const StoreDescription& description,
   std::shared_ptr<SourceSamples> source)
 {
-  if (!files.Exists(folder))
+  if (!IsAddress(folder) && !files.Exists(folder))
   {
     return Status(StatusCode::NotFound, folder + ": this store of the blocked volume is missing");
   }

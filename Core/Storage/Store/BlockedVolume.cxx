@@ -212,7 +212,7 @@ Result<std::shared_ptr<BlockedVolume>> BlockedVolume::Open(const std::string& pa
       ISOSURFACE_ASSIGN_OR_RETURN(const auto text, BlockedVolumeHeader::ReadText(fileSystem, path));
       ISOSURFACE_ASSIGN_OR_RETURN(auto header, BlockedVolumeHeader::Parse(text, path));
       const std::string stores = GetStoresFolder(fileSystem, path);
-      if (!fileSystem.Exists(stores))
+      if (!IsAddress(stores) && !fileSystem.Exists(stores)) // of an address, files alone are seen
       {
         return Status(StatusCode::NotFound,
           path + ": its folder " + stores + " is missing; copy or move both together");
@@ -374,6 +374,12 @@ void BlockedVolume::Prefetch(const BlockStore& store,
     reading.FindRanges(store, ranges);
   }
   store.Prefetch(ranges);
+}
+
+int BlockedVolume::ChooseThreads(std::size_t timeStep, int threads) const
+{
+  const std::optional<SourceRecord>& source = this->GetHeader().TimeSteps[timeStep].Source;
+  return ChooseReadingThreads(source ? source->AbsolutePath : this->GetPath(), threads);
 }
 
 Status BlockedVolume::CheckSource(std::size_t timeStep)

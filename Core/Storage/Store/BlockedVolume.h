@@ -63,6 +63,9 @@ public:
   /// What follows the path in errors of a shortage of memory.
   static constexpr const char* NoMemoryReason = ": there is not enough memory to read it";
 
+  /// ChooseReadingThreads() of where the samples of a time step are.
+  int ChooseThreads(std::size_t timeStep, int threads) const;
+
   /// Whether a rank may reach no other stores than its own, else every rank reaches every store.
   /// Must be the same on all ranks. True at first.
   void SetLocalStores(bool areLocal) { this->AreStoresLocal = areLocal; }

@@ -32,7 +32,8 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   const ChunkDecoding& decoding)
 {
   constexpr int fewest = 2; // threads
-  if (decoding.Threads < fewest || !source->GetChunk() || !source->DecodesInParallel())
+  const int mostThreads = ChooseReadingThreads(name, decoding.Threads);
+  if (mostThreads < fewest || !source->GetChunk() || !source->DecodesInParallel())
   {
     return Status::Ok();
   }
@@ -45,7 +46,7 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
     const std::uint64_t kept = samples->GetSlabBytes(slices);
     const std::uint64_t left = decoding.MemoryBytes - std::min(decoding.MemoryBytes, kept);
     return static_cast<int>(
-      std::min<std::uint64_t>(static_cast<std::uint64_t>(decoding.Threads), left / ofThread));
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(mostThreads), left / ofThread));
   };
   // Several slices have chunks for all threads, also where each is one chunk.
   constexpr std::int64_t enough = 16;

@@ -24,6 +24,10 @@ std::filesystem::path FindFolder(const std::string& header)
 
 std::string MakeAbsolutePath(const std::string& path)
 {
+  if (IsAddress(path))
+  {
+    return path;
+  }
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::weakly_canonical(path, error);
   return error ? path : absolute.string();
@@ -112,6 +116,14 @@ std::uint64_t SourceRecord::ComputeDataset() const
 
 std::string SourceRecord::FindPath(FileSystem& files, const std::string& header) const
 {
+  if (IsAddress(header))
+  {
+    return FindBeside(header, this->Path);
+  }
+  if (IsAddress(this->AbsolutePath))
+  {
+    return this->AbsolutePath;
+  }
   const std::string path = (FindFolder(header) / this->Path).lexically_normal().string();
   return IsThere(files, path) || !IsThere(files, this->AbsolutePath) ? path : this->AbsolutePath;
 }
@@ -242,6 +254,10 @@ Result<SourceFiles> SourceFiles::Find(FileSystem& files, std::vector<std::string
 
 std::string MakeRelativePath(const std::string& header, const std::string& path)
 {
+  if (IsAddress(path))
+  {
+    return path;
+  }
   std::error_code error;
   const std::filesystem::path folder = std::filesystem::weakly_canonical(FindFolder(header), error);
   const std::filesystem::path to = std::filesystem::weakly_canonical(path, error);

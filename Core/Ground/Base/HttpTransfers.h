@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef isosurface_HttpTransfers_h
+#define isosurface_HttpTransfers_h
+
+#include "Ground/Base/Address.h"
+#include "Ground/Base/Status.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace isosurface
+{
+
+/// A request for an object, or for bytes of it.
+struct HttpRequest
+{
+  AddressTarget Target;
+  std::string Range;              ///< "0-99", or "-20", the last ones; empty: all
+  std::uint64_t MaximumBytes = 0; ///< of the body
+  std::string Condition;          ///< a line of the header, "If-None-Match: ..."; or empty
+  bool IsPublic = false;          ///< whether private addresses are refused
+};
+
+/// What a server answers.
+struct HttpAnswer
+{
+  long Code = 0;
+  std::map<std::string, std::string> Headers; ///< by their names in lower case
+  std::vector<std::uint8_t> Body;
+  bool IsCut = false;     ///< whether the body has more bytes than are wanted
+  bool IsPrivate = false; ///< whether the server is of this machine or its network
+  std::string Redirect;   ///< where the object is instead; or empty
+
+  /// The value of a header; "" if there is none.
+  std::string Find(const std::string& name) const
+  {
+    const auto found = this->Headers.find(name);
+    return found == this->Headers.end() ? std::string() : found->second;
+  }
+};
+
+/// What was fetched since the program began.
+struct HttpCounts
+{
+  std::uint64_t Requests = 0;
+  std::uint64_t Bytes = 0; ///< of bodies
+};
+
+/**
+ * Asks servers by HTTP, in parallel: a bounded number of requests and of bytes, over connections that stay
+ * open. Broken connections and the codes 429 and 5xx are tried again, later and later; a server that
+ * stalls, once. Redirections are followed a few times, to http and https alone, never from a public
+ * server to a private one, nor from https to http.
+ */
+class HttpTransfers
+{
+public:
+  /// Waits for the answer, which may have any code. Any thread may call it. `name`: the address, for
+  /// errors. Errors: IoError, Unsupported; Aborted (ReadingStop).
+  static Result<HttpAnswer> Fetch(const std::string& name, HttpRequest request);
+
+  static HttpCounts GetCounts();
+};
+
+} // namespace isosurface
+
+#endif

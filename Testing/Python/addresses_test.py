@@ -1,0 +1,389 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Volumes at addresses of the web, served by this machine: samples, requests and bytes, faults, the cache."""
+
+import glob
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import numpy
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "Tools"))
+
+import scalable_isosurface as si
+from address_server import KEY, SECRET, Server
+from volume_fixtures import make_samples, make_waves, VolumeTest, write_nrrd
+
+try:
+    import zarr
+    from write_zarr2 import create_array, create_group, write_array_2
+    from write_zarr3 import write_array
+except ImportError:
+    zarr = None
+
+SHAPE = (48, 56, 64)
+CHUNK = (16, 16, 16)
+CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "zstd", "configuration": {"level": 1}}]
+
+
+class AddressTest(VolumeTest):
+    def setUp(self):
+        super().setUp()
+        os.mkdir(self.path("www"))
+        os.environ.update(SCALABLE_ISOSURFACE_CACHE=self.path("cache"), SCALABLE_ISOSURFACE_STALL="1")
+        for name in [name for name in os.environ if name.startswith("AWS_")]:
+            del os.environ[name]
+        os.environ.update(AWS_CONFIG_FILE="/dev/null", AWS_SHARED_CREDENTIALS_FILE="/dev/null")
+        os.environ.pop("SCALABLE_ISOSURFACE_CACHE_BYTES", None)
+        self.server = self.serve()
+
+    def serve(self, **options):
+        server = Server(self.path("www"), **options)
+        self.addCleanup(server.close)
+        return server
+
+    def www(self, name):
+        return os.path.join(self.path("www"), name)
+
+    def check_error(self, pattern, name="a.zarr", key=Ellipsis, kind=OSError):
+        """Reading it is one error, of one line, that names the address."""
+        with self.assertRaisesRegex(kind, pattern) as caught:
+            si.open(f"{self.server.url}/{name}")[key]
+        self.assertNotIn("\n", str(caught.exception))
+        self.assertIn(f"{self.server.url}/{name.split(':')[0]}", str(caught.exception))
+
+
+@unittest.skipUnless(zarr, "needs the package zarr")
+class Zarrs(AddressTest):
+    def test_arrays_of_all_versions_are_those_of_the_disk(self):
+        samples = make_samples("uint16", SHAPE)
+        write_array_2(self.www("two.zarr"), samples, CHUNK)
+        write_array_2(self.www("slashes.zarr"), samples, CHUNK, separator="/")
+        write_array(self.www("three.zarr"), samples, CHUNK, CODECS)
+        write_array(self.www("shards.zarr"), samples, CHUNK, CODECS, shard=(32, 32, 32))
+        write_array(self.www("starts.zarr"), samples, CHUNK, CODECS, shard=(48, 64, 64), at_start=True)
+        names = ["two.zarr", "slashes.zarr", "three.zarr", "shards.zarr", "starts.zarr"]
+        if hasattr(zarr, "N5Store"):
+            zarr.open(zarr.N5Store(self.www("five.n5")), mode="w", shape=SHAPE, dtype="u2", chunks=CHUNK, path="a")[
+                :
+            ] = samples
+            names.append("five.n5/a")
+        for name in names:
+            with self.subTest(name):
+                volume = si.open(f"{self.server.url}/{name}")
+                numpy.testing.assert_array_equal(volume[...], samples)
+                numpy.testing.assert_array_equal(volume[5:40, 3, ::2], samples[5:40, 3, ::2])
+                self.check_keys(volume, samples, 40)
+
+    def test_images_have_their_place_and_names(self):
+        samples = make_samples("uint8", SHAPE)
+        group = create_group(self.www("image.zarr"))
+        scale = [{"type": "scale", "scale": [3.0, 2.0, 1.5]}]
+        axes = [{"name": name, "type": "space", "unit": "micrometer"} for name in "zyx"]
+        image = {"axes": axes, "datasets": [{"path": "0", "coordinateTransformations": scale}], "version": "0.4"}
+        group.attrs["multiscales"] = [image]
+        write_array_2(self.www("image.zarr/0"), samples, CHUNK, separator="/")
+        create_group(self.www("series.zarr")).attrs["bioformats2raw.layout"] = 3
+        shutil.copytree(self.www("image.zarr"), self.www("series.zarr/0"))
+        os.makedirs(self.www("later.zarr"))
+        with open(self.www("later.zarr/zarr.json"), "w") as file:
+            ome = {"version": "0.5", "multiscales": [image]}
+            json.dump({"zarr_format": 3, "node_type": "group", "attributes": {"ome": ome}}, file)
+        write_array(self.www("later.zarr/0"), samples, CHUNK, CODECS)
+        for name in ("image.zarr", "series.zarr", "later.zarr", "image.zarr:0", "image.zarr/0"):
+            with self.subTest(name):
+                volume = si.open(f"{self.server.url}/{name}")
+                self.assertEqual(volume.spacing, (1.5, 2, 3))
+                numpy.testing.assert_array_equal(volume[...], samples)
+
+    def test_a_box_fetches_the_chunks_that_it_crosses_and_no_more(self):
+        samples = make_waves((64, 64, 64))
+        write_array_2(self.www("a.zarr"), samples, CHUNK)
+        write_array(self.www("b.zarr"), samples, CHUNK, CODECS, shard=(64, 64, 64))
+        for name, files in (("a.zarr", "*.*.*"), ("b.zarr", "c/*/*/*")):
+            for key, share in ((numpy.s_[20:30, 20:60, 33:34], 3 / 64), (numpy.s_[40], 16 / 64)):
+                with self.subTest(name, key=key):
+                    shutil.rmtree(self.path("cache"), ignore_errors=True)
+                    volume = si.open(f"{self.server.url}/{name}")
+                    self.server.forget()
+                    numpy.testing.assert_array_equal(volume[key], samples[key])
+                    stored = sum(map(os.path.getsize, glob.glob(self.www(f"{name}/{files}"))))
+                    self.assertLess(self.server.sent, 1.1 * share * stored + 64 * 16 + 4)
+                    self.assertLessEqual(len(self.server.requests), 64 * share + (name == "b.zarr"))
+
+    def test_requests_go_out_side_by_side(self):
+        write_array_2(self.www("a.zarr"), make_waves(SHAPE), CHUNK)
+        server = self.serve(latency=0.1)
+        begin = time.monotonic()
+        samples = si.open(f"{server.url}/a.zarr")[...]
+        self.assertLess(time.monotonic() - begin, 2.5)  # one after another, 48 chunks alone take 4.8 s
+        numpy.testing.assert_array_equal(samples, make_waves(SHAPE))
+
+    def test_missing_chunks_have_the_fill_value_and_denied_ones_are_an_error(self):
+        array = create_array(self.www("a.zarr"), (32, 32, 32), "f4", CHUNK, fill_value=7)
+        array[:16] = 1
+        volume = si.open(f"{self.server.url}/a.zarr")
+        self.assertEqual((volume[0, 0, 0], volume[31, 31, 31]), (1, 7))
+        self.server.lists = False
+        self.check_error(r"a.zarr/1\.\d\.\d: .*403, AccessDenied.* no such object", key=numpy.s_[16:])
+        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[:16], 1)
+
+    def test_a_change_is_an_error(self):
+        write_array(self.www("a.zarr"), make_waves(SHAPE), CHUNK, CODECS, shard=(48, 64, 64))
+        volume = si.open(f"{self.server.url}/a.zarr")
+        volume[0, 0, 0]
+        shutil.rmtree(self.www("a.zarr"))
+        write_array(self.www("a.zarr"), 2 * make_waves(SHAPE), CHUNK, CODECS, shard=(48, 64, 64))
+        self.assertRaisesRegex(OSError, "was changed since it was opened", lambda: volume[-1])
+
+    def test_it_is_indexed_in_the_cache_and_gives_the_same_surface(self):
+        write_array_2(self.www("a.zarr"), make_waves(SHAPE), CHUNK)
+        address = f"{self.server.url}/a.zarr"
+        volume = si.index(address)
+        self.assertTrue(glob.glob(self.path("cache/indexes/*/a.zarr.bvol")))
+        self.server.forget()
+        surface = si.open(address).isosurface(0.3)
+        self.assertEqual(volume.isosurface(0.3).triangles.shape, surface.triangles.shape)
+        expected = si.open(self.www("a.zarr")).isosurface(0.3)
+        self.assertEqual(surface.triangles.shape, expected.triangles.shape)
+        self.assertFalse([code for _, _, code in self.server.requests if code == 206], "chunks were fetched again")
+
+
+@unittest.skipUnless(zarr, "needs the package zarr")
+class Faults(AddressTest):
+    def setUp(self):
+        super().setUp()
+        self.samples = make_waves(SHAPE)
+        write_array_2(self.www("a.zarr"), self.samples, CHUNK)
+
+    def check_recovery(self, *faults):
+        """The samples are right, although the first answers are these faults."""
+        left = list(faults)
+        shutil.rmtree(self.path("cache"), ignore_errors=True)
+        self.server.faults[r"1\.1\.1$"] = lambda handler, file: bool(left) and left.pop()(handler, file)
+        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
+        self.assertFalse(left)
+
+    @staticmethod
+    def busy(handler, _):
+        handler.answer(503, b"")
+        return True
+
+    @staticmethod
+    def many(handler, _):
+        handler.answer(429, b"", Retry_After="1")
+        return True
+
+    @staticmethod
+    def cut(handler, file):
+        size = os.path.getsize(file)
+        handler.send_response(206)
+        handler.send_header("Content-Length", str(size))
+        handler.send_header("Content-Range", f"bytes 0-{size - 1}/{size}")
+        handler.end_headers()
+        handler.wfile.write(b"x" * (size // 2))
+        handler.close_connection = True
+        return True
+
+    @staticmethod
+    def broken(handler, _):
+        handler.close_connection = True
+        handler.connection.close()
+        return True
+
+    @staticmethod
+    def stall(handler, _):
+        handler.send_response(200)
+        handler.send_header("Content-Length", "100")
+        handler.end_headers()
+        handler.wfile.flush()
+        time.sleep(3)
+        return True
+
+    def test_busy_servers_and_broken_connections_are_asked_again(self):
+        self.check_recovery(self.busy, self.busy)
+        self.check_recovery(self.cut)
+        self.check_recovery(self.broken)
+        self.check_recovery(self.stall)
+        self.check_recovery(self.many)
+
+    def test_each_fault_is_one_line_that_names_address_and_reason(self):
+        def lie(handler, file):
+            handler.answer(206, b"x" * 100, Content_Range="bytes 0-99/9223372036854775807")
+            return True
+
+        def endless(handler, file):
+            handler.send_response(200)
+            handler.end_headers()
+            handler.close_connection = True
+            try:
+                while True:
+                    handler.wfile.write(b"x" * 65536)
+            except OSError:
+                return True
+
+        def flood(handler, file):
+            handler.send_response(200)
+            handler.flush_headers()
+            try:
+                while True:
+                    handler.wfile.write(b"X-More: " + b"y" * 1000 + b"\r\n")
+            except OSError:
+                return True
+
+        def answer(*given, **headers):
+            return lambda handler, file: handler.answer(*given, **headers) or True
+
+        faults = {
+            "503, 4 times": self.busy,
+            "truncated": self.cut,
+            "stalls": self.stall,
+            "gives no ranges|damaged|has .* bytes": endless,
+            "truncated: the server sends other bytes": lie,
+            "header": flood,
+            "page of HTML": answer(200, b"<!DOCTYPE html><html>", Content_Type="text/html; charset=utf-8"),
+            "compressed": answer(200, b"\x1f\x8b", Content_Encoding="gzip"),
+            r"denies it \(403, ExpiredToken\)": answer(403, b"<Code>ExpiredToken</Code>"),
+            "answers 418": answer(418),
+            "redirections do not end": answer(302, Location="/a.zarr/1.1.1"),
+            "redirects to file:///etc/passwd, which": answer(302, Location="file:///etc/passwd?secret=1"),
+            "redirects to ftp://127.0.0.1/, which": answer(301, Location="ftp://127.0.0.1/"),
+            r"chunk is damaged": answer(200, b"nonsense"),
+        }
+        for pattern, fault in faults.items():
+            with self.subTest(pattern):
+                self.server.faults[r"1\.1\.1$"] = fault
+                self.check_error(pattern, key=numpy.s_[20, 20, 20])
+        del self.server.faults[r"1\.1\.1$"]
+        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
+
+    def test_servers_that_are_not_there_are_named_at_once(self):
+        begin = time.monotonic()
+        for name in ("none.zarr", "none.nrrd", "none"):
+            self.check_error("has none of this name", name, kind=FileNotFoundError)
+        self.server.close()
+        self.check_error("cannot be read: Failed to connect|Couldn't connect|refused")
+        with self.assertRaisesRegex(OSError, "no-such-host.invalid/a.zarr.*: cannot be read: Could.* resolve"):
+            si.open("http://no-such-host.invalid/a.zarr")
+        self.assertLess(time.monotonic() - begin, 12)
+
+    def test_addresses_with_passwords_or_queries_are_refused(self):
+        for address, reason in (
+            ("http://me:hidden@127.0.0.1/a.zarr", "http://127.0.0.1: an address with a password is not read"),
+            (f"{self.server.url}/a.zarr?key=hidden", "a query or a fragment names no file"),
+            ("https:///a.zarr", "it is no address"),
+        ):
+            with self.assertRaisesRegex(ValueError, reason) as caught:
+                si.open(address)
+            self.assertNotIn("hidden", str(caught.exception))
+        self.assertEqual(self.server.requests, [])
+
+    def test_servers_without_ranges_and_versions_give_small_objects(self):
+        self.server.gives_ranges = self.server.tags = False
+        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
+
+    def test_redirections_are_followed(self):
+        other = self.serve()
+        to = lambda handler, file: handler.answer(302, Location=other.url + handler.path) or True  # noqa: E731
+        self.server.faults["a.zarr"] = to
+        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
+
+
+@unittest.skipUnless(zarr, "needs the package zarr")
+class Buckets(AddressTest):
+    def setUp(self):
+        super().setUp()
+        self.samples = make_waves(SHAPE)
+        self.bucket = self.id().rpartition("_")[2]  # of its own: for some seconds an answer is not asked for again
+        write_array(self.www(f"{self.bucket}/a b.zarr"), self.samples, CHUNK, CODECS, shard=(32, 32, 32))
+        self.server = self.serve(keys=True)
+        os.environ["AWS_ENDPOINT_URL_S3"] = self.server.url
+
+    def check(self):
+        numpy.testing.assert_array_equal(si.open(f"s3://{self.bucket}/a b.zarr")[...], self.samples)
+
+    def test_keys_of_the_environment_and_of_files_sign_requests(self):
+        os.environ.update(AWS_ACCESS_KEY_ID=KEY, AWS_SECRET_ACCESS_KEY=SECRET)
+        self.check()
+        del os.environ["AWS_ACCESS_KEY_ID"]
+        with open(self.path("credentials"), "w") as file:
+            file.write(f"[default]\naws_access_key_id=x\n[mine]\naws_access_key_id = {KEY}\n"
+                       f"aws_secret_access_key = {SECRET}\naws_session_token=to/ken\n")
+        with open(self.path("config"), "w") as file:
+            file.write("[profile mine]\nregion = eu-west-2\n")
+        self.server.token = "to/ken"
+        os.environ.update(AWS_PROFILE="mine", AWS_SHARED_CREDENTIALS_FILE=self.path("credentials"),
+                          AWS_CONFIG_FILE=self.path("config"))
+        self.check()
+
+    def test_wrong_and_missing_keys_are_told_and_never_printed(self):
+        for key, secret, code in (("", "", "AccessDenied"), (KEY, "wrong-secret", "SignatureDoesNotMatch")):
+            os.environ.update(AWS_ACCESS_KEY_ID=key, AWS_SECRET_ACCESS_KEY=secret)
+            shutil.copytree(self.www(self.bucket), self.www(code.lower()))
+            self.bucket = code.lower()
+            with self.assertRaisesRegex(OSError, rf"s3://{self.bucket}/.*denies it \(403, {code}\)") as caught:
+                si.open(f"s3://{self.bucket}/a b.zarr")
+            self.assertNotIn("secret", str(caught.exception))
+
+    def test_public_buckets_need_no_keys(self):
+        self.server.keys = None
+        self.check()
+
+
+class Cache(AddressTest):
+    def setUp(self):
+        super().setUp()
+        self.samples = make_waves(SHAPE)
+        write_nrrd(self.www("a.nrrd"), self.samples)
+
+    def read(self):
+        """In a process of its own, which knows nothing."""
+        code = f"import scalable_isosurface as si; print(float(si.open({self.server.url + '/a.nrrd'!r})[...].sum()))"
+        sum = subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.PIPE).stdout
+        self.assertAlmostEqual(float(sum), float(self.samples.sum()), 2)
+
+    def test_what_another_process_has_fetched_is_not_fetched_again(self):
+        self.read()
+        self.assertGreater(self.server.sent, self.samples.nbytes)
+        self.server.forget()
+        self.read()
+        self.assertEqual(self.server.sent, 0)
+        self.samples *= 2
+        write_nrrd(self.www("a.nrrd"), self.samples)
+        self.read()
+
+    def test_damaged_parts_are_fetched_again(self):
+        self.read()
+        for number, path in enumerate(glob.glob(self.path("cache/parts/*/*"))):
+            with open(path, "r+b") as file:
+                file.truncate(number % 100) if number % 2 else file.write(b"x" * 200)
+        self.server.forget()
+        self.read()
+        self.assertGreater(self.server.sent, self.samples.nbytes)
+
+    def test_it_has_a_bounded_size_and_none_if_that_is_zero(self):
+        os.environ["SCALABLE_ISOSURFACE_CACHE_BYTES"] = "2000000"
+        for number in range(12):
+            write_nrrd(self.www("a.nrrd"), self.samples + number)
+            si.open(f"{self.server.url}/a.nrrd")[...]
+            time.sleep(0.01)
+        write_nrrd(self.www("a.nrrd"), self.samples)
+        kept = sum(map(os.path.getsize, glob.glob(self.path("cache/parts/*/*"))))
+        self.assertLess(kept, 2.5e6)
+        shutil.rmtree(self.path("cache"))
+        os.environ["SCALABLE_ISOSURFACE_CACHE_BYTES"] = "0"
+        self.read()
+        self.assertFalse(os.path.exists(self.path("cache")))
+
+    def test_a_folder_that_cannot_be_written_is_no_error(self):
+        os.environ["SCALABLE_ISOSURFACE_CACHE"] = "/dev/null/cache"
+        self.read()
+
+
+if __name__ == "__main__":
+    unittest.main()
