@@ -3,6 +3,7 @@
 
 #include "Coding/EdgeIndex/PointAttributes.h"
 #include "Surface/Contour/SurfaceExtractor.h"
+#include "Surface/Contour/SurfaceMerge.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -14,15 +15,6 @@ namespace isosurface
 {
 namespace
 {
-
-template <typename T>
-void AppendBuffer(Buffer<T>& to, const Buffer<T>& from)
-{
-  Buffer<T> joined(to.GetSize() + from.GetSize());
-  std::copy(to.begin(), to.end(), joined.begin());
-  std::copy(from.begin(), from.end(), joined.begin() + to.GetSize());
-  to = std::move(joined);
-}
 
 // Blocks share points; if their signs differ at shared vertices, cells may name points that no block
 // made.
@@ -41,38 +33,6 @@ bool HasAllPoints(const Surface& surface)
   };
   return surface.Connectivity.Is64Bit ? areBelow(surface.Connectivity.Values64)
                                       : areBelow(surface.Connectivity.Values32);
-}
-
-// Appends the entries of `from`, each plus `raise`, to `to` without its last `drop` entries.
-void AppendIndices(
-  IndexArray& to, const IndexArray& from, std::int64_t raise, std::size_t drop, bool isWide)
-{
-  const std::size_t kept = to.GetSize() - std::min(drop, to.GetSize());
-  const std::size_t size = kept + from.GetSize();
-  IndexArray joined;
-  joined.Is64Bit = isWide;
-  const auto fill = [&](auto& values)
-  {
-    using Id = std::decay_t<decltype(values[0])>;
-    values = std::decay_t<decltype(values)>(size);
-    for (std::size_t n = 0; n < kept; ++n)
-    {
-      values[n] = static_cast<Id>(to[n]);
-    }
-    for (std::size_t n = 0; n < from.GetSize(); ++n)
-    {
-      values[kept + n] = static_cast<Id>(from[n] + raise);
-    }
-  };
-  if (joined.Is64Bit)
-  {
-    fill(joined.Values64);
-  }
-  else
-  {
-    fill(joined.Values32);
-  }
-  to = std::move(joined);
 }
 
 // Moves the normals from the attributes to where a surface has them; drops them if not wanted.
@@ -99,41 +59,6 @@ void TakeNormals(const EdgeIndexHeader& header, bool wanted, Surface& surface)
   surface.Attributes = std::move(others);
 }
 
-// Appends the surface of the next isovalue.
-void AppendSurface(Surface& surface, Surface&& next)
-{
-  if (surface.Parts.empty())
-  {
-    surface = std::move(next);
-    return;
-  }
-  SurfacePart part = next.Parts.front();
-  part.FirstPoint = surface.NumberOfPoints;
-  part.FirstCell = surface.NumberOfCells;
-  surface.Parts.push_back(part);
-  AppendBuffer(surface.Points, next.Points);
-  AppendBuffer(surface.DoublePoints, next.DoublePoints);
-  AppendBuffer(surface.GlobalIds, next.GlobalIds);
-  AppendBuffer(surface.Normals, next.Normals);
-  for (std::size_t n = 0; n < std::min(surface.Attributes.size(), next.Attributes.size()); ++n)
-  {
-    AppendBuffer(surface.Attributes[n].Bytes, next.Attributes[n].Bytes);
-  }
-  const std::size_t corners = surface.Connectivity.GetSize();
-  const bool isWide = surface.Connectivity.Is64Bit || next.Connectivity.Is64Bit ||
-    NeedsWideIndices(
-      surface.NumberOfPoints + next.NumberOfPoints, corners + next.Connectivity.GetSize());
-  AppendIndices(surface.Offsets, next.Offsets, static_cast<std::int64_t>(corners), 1, isWide);
-  AppendIndices(surface.Connectivity, next.Connectivity,
-    static_cast<std::int64_t>(surface.NumberOfPoints), 0, isWide);
-  surface.NumberOfPoints += next.NumberOfPoints;
-  surface.NumberOfCells += next.NumberOfCells;
-  surface.NumberOfTriangles += next.NumberOfTriangles;
-  surface.NumberOfBlocks += next.NumberOfBlocks;
-  surface.AcquireSeconds += next.AcquireSeconds;
-  surface.TotalSeconds += next.TotalSeconds;
-}
-
 } // namespace
 
 Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
@@ -153,8 +78,18 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
       "The edge-index stream has point arrays, which caps on closed sides of the grid cannot "
       "have.");
   }
-  Surface surface;
-  surface.HasDoublePoints = HasDoublePoints(header.Geometry, request);
+  if (sources.empty())
+  {
+    Surface none;
+    none.HasDoublePoints = HasDoublePoints(header.Geometry, request);
+    return none;
+  }
+  std::vector<SurfacePart> parts; ///< of no points
+  for (const IsovalueSource& source : sources)
+  {
+    parts.push_back({ header.Isovalues[source.Isovalue] });
+  }
+  std::vector<Surface> surfaces;
   const auto count = static_cast<double>(sources.size());
   for (std::size_t n = 0; n < sources.size(); ++n)
   {
@@ -197,9 +132,12 @@ Result<Surface> JoinIsovalues(const EdgeIndexHeader& header,
     {
       next->GlobalIds = {};
     }
-    AppendSurface(surface, std::move(*next));
+    std::vector<SurfacePart> own = parts;
+    own[n] = next->Parts.front();
+    next->Parts = std::move(own);
+    surfaces.push_back(std::move(*next));
   }
-  return surface;
+  return JoinSurfaces(std::move(surfaces));
 }
 
 } // namespace isosurface

@@ -102,7 +102,7 @@ Status ExtractWithSeam(FinishedLayers& layers, std::int64_t slices, const Extrac
   std::vector<Surface> surfaces;
   surfaces.push_back(std::move(exact));
   surfaces.push_back(std::move(*sample));
-  outcome.Extracted = JoinSurfaces(surfaces);
+  outcome.Extracted = JoinSurfaces(std::move(surfaces));
   outcome.Cost.Reading.ActiveBlocks = outcome.Extracted.NumberOfBlocks;
   return Status::Ok();
 }

@@ -19,9 +19,7 @@ struct PointPlan
   std::vector<std::pair<std::size_t, std::size_t>> OldNumbers; ///< (surface, point) by new number
 };
 
-/// `areApart`: whether all points stay.
-PointPlan PlanPoints(
-  const std::vector<Surface>& surfaces, std::vector<SurfacePart>& parts, bool areApart)
+PointPlan PlanPoints(const std::vector<Surface>& surfaces, std::vector<SurfacePart>& parts)
 {
   PointPlan plan;
   std::size_t total = 0;
@@ -31,7 +29,7 @@ PointPlan PlanPoints(
     total += surface.NumberOfPoints;
   }
   std::unordered_map<std::int64_t, std::int64_t> numbers;
-  numbers.reserve(areApart ? 0 : total);
+  numbers.reserve(total);
   plan.OldNumbers.reserve(total);
   for (std::size_t part = 0; part < parts.size(); ++part)
   {
@@ -43,7 +41,7 @@ PointPlan PlanPoints(
       {
         const auto next = static_cast<std::int64_t>(plan.OldNumbers.size());
         const std::int64_t number =
-          areApart ? next : numbers.emplace(surfaces[piece].GlobalIds[point], next).first->second;
+          numbers.emplace(surfaces[piece].GlobalIds[point], next).first->second;
         if (number == next)
         {
           plan.OldNumbers.emplace_back(piece, point);
@@ -108,37 +106,38 @@ void CopyPoints(const std::vector<Surface>& surfaces, const PointPlan& plan, Sur
   }
 }
 
-std::size_t GetCellEnd(const Surface& surface, std::size_t cell)
+/// Where the corners of a cell begin, or those of the last one end.
+std::size_t GetCorner(const Surface& surface, std::size_t cell)
 {
-  return surface.Offsets.GetSize() == 0 ? 3 * (cell + 1)
-                                        : static_cast<std::size_t>(surface.Offsets[cell + 1]);
+  return surface.Offsets.GetSize() == 0 ? 3 * cell
+                                        : static_cast<std::size_t>(surface.Offsets[cell]);
 }
 
-template <typename T>
-void CopyCells(const std::vector<Surface>& surfaces, const PointPlan& plan, Surface& merged,
+/// `renumber(surface, part, point)`: the new number of a point.
+template <typename T, typename Renumber>
+void CopyCells(const std::vector<Surface>& surfaces, const Renumber& renumber, Surface& merged,
   Buffer<T>& connectivity, Buffer<T>& offsets)
 {
   std::size_t cell = 0;
   std::size_t entry = 0;
-  for (SurfacePart& part : merged.Parts)
+  for (std::size_t number = 0; number < merged.Parts.size(); ++number)
   {
+    SurfacePart& part = merged.Parts[number];
     part.FirstCell = cell;
-    const auto number = static_cast<std::size_t>(&part - merged.Parts.data());
     for (std::size_t piece = 0; piece < surfaces.size(); ++piece)
     {
       const Surface& from = surfaces[piece];
       const SurfacePart& old = from.Parts[number];
-      std::size_t at = old.FirstCell == 0 ? 0 : GetCellEnd(from, old.FirstCell - 1);
+      std::size_t at = GetCorner(from, old.FirstCell);
       for (std::size_t index = old.FirstCell; index < old.FirstCell + old.NumberOfCells; ++index)
       {
         if (!offsets.IsEmpty())
         {
           offsets[cell] = static_cast<T>(entry);
         }
-        for (const std::size_t end = GetCellEnd(from, index); at < end; ++at)
+        for (const std::size_t end = GetCorner(from, index + 1); at < end; ++at)
         {
-          connectivity[entry++] =
-            static_cast<T>(plan.NewNumbers[piece][static_cast<std::size_t>(from.Connectivity[at])]);
+          connectivity[entry++] = static_cast<T>(renumber(piece, number, from.Connectivity[at]));
         }
         ++cell;
       }
@@ -151,17 +150,10 @@ void CopyCells(const std::vector<Surface>& surfaces, const PointPlan& plan, Surf
   }
 }
 
-Surface Merge(const std::vector<Surface>& surfaces, bool areApart)
+/// Adds the cells of all surfaces to one that has their points already.
+template <typename Renumber>
+void AddCells(const std::vector<Surface>& surfaces, const Renumber& renumber, Surface& merged)
 {
-  Surface merged;
-  if (surfaces.empty())
-  {
-    return merged;
-  }
-  merged.Parts = surfaces.front().Parts;
-  const PointPlan plan = PlanPoints(surfaces, merged.Parts, areApart);
-  CopyPoints(surfaces, plan, merged);
-
   std::size_t entries = 0;
   bool offsets = true;
   bool wide = false;
@@ -183,27 +175,111 @@ Surface Merge(const std::vector<Surface>& surfaces, bool areApart)
   {
     merged.Connectivity.Values64 = Buffer<std::int64_t>(entries);
     merged.Offsets.Values64 = Buffer<std::int64_t>(offsetCount);
-    CopyCells(surfaces, plan, merged, merged.Connectivity.Values64, merged.Offsets.Values64);
+    CopyCells(surfaces, renumber, merged, merged.Connectivity.Values64, merged.Offsets.Values64);
   }
   else
   {
     merged.Connectivity.Values32 = Buffer<std::int32_t>(entries);
     merged.Offsets.Values32 = Buffer<std::int32_t>(offsetCount);
-    CopyCells(surfaces, plan, merged, merged.Connectivity.Values32, merged.Offsets.Values32);
+    CopyCells(surfaces, renumber, merged, merged.Connectivity.Values32, merged.Offsets.Values32);
   }
-  return merged;
+}
+
+/// Joins an array of the points, which `get` finds in a surface, with `width` values for each.
+template <typename Get>
+void JoinArrays(
+  const std::vector<Surface>& surfaces, std::size_t width, const Get& get, Surface& joined)
+{
+  std::size_t size = 0;
+  for (const Surface& surface : surfaces)
+  {
+    size += get(surface).GetSize();
+  }
+  std::decay_t<decltype(get(joined))> array(size);
+  auto* to = array.GetData();
+  for (std::size_t number = 0; number < joined.Parts.size(); ++number)
+  {
+    for (const Surface& surface : surfaces)
+    {
+      const SurfacePart& part = surface.Parts[number];
+      if (!get(surface).IsEmpty())
+      {
+        to = std::copy_n(
+          get(surface).GetData() + width * part.FirstPoint, width * part.NumberOfPoints, to);
+      }
+    }
+  }
+  get(joined) = std::move(array);
 }
 
 } // namespace
 
 Surface MergeSurfaces(const std::vector<Surface>& surfaces)
 {
-  return Merge(surfaces, false);
+  Surface merged;
+  if (surfaces.empty())
+  {
+    return merged;
+  }
+  merged.Parts = surfaces.front().Parts;
+  const PointPlan plan = PlanPoints(surfaces, merged.Parts);
+  CopyPoints(surfaces, plan, merged);
+  AddCells(
+    surfaces,
+    [&plan](std::size_t piece, std::size_t, std::int64_t point)
+    { return plan.NewNumbers[piece][static_cast<std::size_t>(point)]; },
+    merged);
+  return merged;
 }
 
-Surface JoinSurfaces(const std::vector<Surface>& surfaces)
+Surface JoinSurfaces(std::vector<Surface> surfaces)
 {
-  return Merge(surfaces, true);
+  if (surfaces.size() == 1)
+  {
+    return std::move(surfaces.front());
+  }
+  Surface joined;
+  joined.Parts = surfaces.front().Parts;
+  joined.HasDoublePoints = surfaces.front().HasDoublePoints;
+  const std::size_t parts = joined.Parts.size();
+  std::vector<std::int64_t> raises; ///< of the numbers of points, by part and surface
+  for (std::size_t number = 0; number < parts; ++number)
+  {
+    joined.Parts[number].FirstPoint = joined.NumberOfPoints;
+    for (const Surface& surface : surfaces)
+    {
+      const SurfacePart& part = surface.Parts[number];
+      raises.push_back(static_cast<std::int64_t>(joined.NumberOfPoints) -
+        static_cast<std::int64_t>(part.FirstPoint));
+      joined.NumberOfPoints += part.NumberOfPoints;
+    }
+    joined.Parts[number].NumberOfPoints = joined.NumberOfPoints - joined.Parts[number].FirstPoint;
+  }
+  const auto join = [&](std::size_t width, const auto& get)
+  { JoinArrays(surfaces, width, get, joined); };
+  join(
+    3, [](auto& surface) -> auto& { return surface.Points; });
+  join(
+    3, [](auto& surface) -> auto& { return surface.DoublePoints; });
+  join(
+    3, [](auto& surface) -> auto& { return surface.Normals; });
+  join(
+    1, [](auto& surface) -> auto& { return surface.GlobalIds; });
+  for (const SurfaceAttribute& attribute : surfaces.front().Attributes)
+  {
+    const std::size_t index = joined.Attributes.size();
+    joined.Attributes.push_back({ attribute.Layout, {} });
+    join(
+      GetValueSize(attribute.Layout.Type) *
+        static_cast<std::size_t>(attribute.Layout.NumberOfComponents),
+      [index](auto& surface) -> auto& { return surface.Attributes[index].Bytes; });
+  }
+  AddCells(
+    surfaces,
+    [&raises, pieces = surfaces.size()](std::size_t piece, std::size_t part, std::int64_t point)
+    { return point + raises[part * pieces + piece]; },
+    joined);
+  return joined;
 }
 
 void ShiftGlobalIds(std::int64_t shift, Surface& surface)

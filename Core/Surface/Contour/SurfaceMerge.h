@@ -21,8 +21,8 @@ namespace isosurface
  */
 Surface MergeSurfaces(const std::vector<Surface>& surfaces);
 
-/// The same of surfaces that have no point in common, without a table.
-Surface JoinSurfaces(const std::vector<Surface>& surfaces);
+/// The same of one or more surfaces that have no point in common, without a table and GlobalIds.
+Surface JoinSurfaces(std::vector<Surface> surfaces);
 
 /// Adds a number to all GlobalIds, so that the ids of several grids follow each other.
 void ShiftGlobalIds(std::int64_t shift, Surface& surface);
