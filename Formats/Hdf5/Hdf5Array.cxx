@@ -353,7 +353,8 @@ public:
       return this->MakeChunkError();
     }
     this->HasCommonCoding = this->Coding.has_value();
-    if (cacheBytes > 0) // the library decodes; else somebody keeps chunks, and reads whole ones
+    // The library decodes, unless somebody else keeps chunks, and reads whole ones.
+    if (cacheBytes > 0 && !this->File.DecodesChunks)
     {
       this->Coding.reset();
       this->Stored = {};
@@ -454,6 +455,13 @@ Result<Hdf5Handle> Hdf5File::OpenDataset(const std::string& path) const
   return this->Has(path) ? this->MakeError(StatusCode::Unsupported, path,
                              this->IsDataset(path) ? reason : "it is a group, not a dataset")
                          : this->MakeError(StatusCode::NotFound, path, "there is no such dataset");
+}
+
+Result<StoredArray::Numbers> Hdf5File::FindShape(const std::string& path) const
+{
+  const Hdf5Scope scope;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto dataset, this->OpenDataset(path));
+  return FindHdf5Shape(dataset);
 }
 
 Result<std::shared_ptr<StoredArray>> Hdf5File::OpenArray(const std::string& path,

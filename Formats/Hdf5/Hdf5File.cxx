@@ -193,7 +193,7 @@ std::string DescribeFilters(hid_t plist)
 
 } // namespace
 
-Result<Hdf5File> Hdf5File::Open(const std::string& path)
+Result<Hdf5File> Hdf5File::Open(const std::string& path, bool decodesChunks)
 {
   ISOSURFACE_RETURN_IF_ERROR(GetLocalFileSystem().CheckRegular(path, "read"));
   // The system's own words for what cannot be opened at all.
@@ -212,6 +212,7 @@ Result<Hdf5File> Hdf5File::Open(const std::string& path)
   }
   Hdf5File opened;
   opened.Path = path;
+  opened.DecodesChunks = decodesChunks;
   opened.Links = std::make_shared<Hdf5LinkedFiles>();
   opened.File = std::make_shared<Hdf5Handle>(std::move(file));
   return opened;

@@ -35,7 +35,9 @@ struct Hdf5Dataset
 class Hdf5File
 {
 public:
-  static Result<Hdf5File> Open(const std::string& path);
+  /// `decodesChunks`: whether arrays decode chunks that are read as a whole beside the library's lock, and
+  /// do not keep them, though they have a cache.
+  static Result<Hdf5File> Open(const std::string& path, bool decodesChunks = false);
   const std::string& GetPath() const { return this->Path; }
 
   /// The datasets that the groups hold, by name. Links to other files are not followed. Groups that
@@ -44,6 +46,7 @@ public:
   /// Checks what another program comes upon that opens each object, through all links: regular files,
   /// groups that are at most 32 deep in one another, at most 100,000 objects.
   Status CheckForOthers() const;
+  Result<StoredArray::Numbers> FindShape(const std::string& path) const;
   bool Has(const std::string& path) const;
   bool IsDataset(const std::string& path) const;
 
@@ -96,6 +99,7 @@ private:
   Status MakeError(StatusCode code, const std::string& object, const std::string& reason) const;
 
   std::string Path;
+  bool DecodesChunks = false;
   std::shared_ptr<Hdf5LinkedFiles> Links;
   std::shared_ptr<Hdf5Handle> File;
 };

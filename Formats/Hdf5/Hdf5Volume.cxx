@@ -208,8 +208,8 @@ Result<OpenedVolume> OpenDataset(
       Status(StatusCode::Unsupported,
         "it is MINC, whose places and scale are not read: convert it to NIfTI, as mnc2nii does"));
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto whole, file.OpenArray(path, 0));
-  Hdf5Description description = Hdf5Description::Read(file, path, whole->GetShape(), choice.Axes);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto shape, file.FindShape(path));
+  Hdf5Description description = Hdf5Description::Read(file, path, shape, choice.Axes);
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto array, file.OpenArray(path, choice.CacheBytes, description.Shape, description.IsUnsigned));
   const auto axes = ArrayAxes::Parse(description.Letters, array->GetShape().size());
@@ -415,7 +415,7 @@ Result<OpenedVolume> AddFiles(Result<OpenedVolume> volume, const Hdf5File& file)
 Result<OpenedVolume> OpenHdf5Volume(
   FileSystem& /*files*/, const VolumeName& name, const VolumeChoice& choice)
 {
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, Hdf5File::Open(name.Path));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto file, Hdf5File::Open(name.Path, choice.ReadsChunks));
   std::string path = name.Within;
   if (!path.empty() && path.front() != '/')
   {

@@ -50,6 +50,7 @@ public:
     this->Choice.Axes = index.Axes;
     this->Choice.Step = limits.Step;
     this->Choice.CacheBytes = ReadBytes / MostThreads;
+    this->Choice.ReadsChunks = true;
     this->Choice.Vertices = limits.Vertices;
   }
 

@@ -32,6 +32,7 @@ struct VolumeChoice
   std::int64_t Vertices = 0;
   /// What decoded chunks may take between reads.
   std::uint64_t CacheBytes = std::uint64_t{ 256 } << 20;
+  bool ReadsChunks = false; ///< whether most boxes are whole chunks, which are read once
 };
 
 /// A volume in files of another format, opened for reading.
