@@ -311,45 +311,36 @@ Result<EdgeIndexRecord> EdgeIndexFile::ReadRecord(
   return record;
 }
 
-Result<Surface> EdgeIndexFile::ReadWithinMemory(const EdgeIndexSelection& selection,
-  const ContourRequest& request, int threads, const Progress& progress) const
-{
-  ISOSURFACE_ASSIGN_OR_RETURN(const std::vector<std::size_t> selected, this->Select(selection));
-  const EdgeIndexHeader& header = selection.Preview ? this->Preview : this->Header;
-  std::vector<std::vector<std::size_t>> blocks(header.Isovalues.size());
-  for (const std::size_t entry : selected)
-  {
-    blocks[this->Entries[entry].Block.Isovalue].push_back(entry);
-  }
-  std::vector<std::size_t> isovalues = selection.Isovalues;
-  if (isovalues.empty())
-  {
-    isovalues.resize(blocks.size());
-    std::iota(isovalues.begin(), isovalues.end(), std::size_t{ 0 });
-  }
-  std::vector<IsovalueSource> sources;
-  sources.reserve(isovalues.size());
-  for (const std::size_t isovalue : isovalues)
-  {
-    sources.push_back(
-      { isovalue, std::make_unique<FileBlockSource>(*this, header, blocks[isovalue]) });
-  }
-  return JoinIsovalues(header, sources, request, threads, progress);
-}
-
 Result<Surface> EdgeIndexFile::Read(const EdgeIndexSelection& selection,
   const ContourRequest& request, int threads, const Progress& progress) const
 {
   const auto read = [&]() -> Result<Surface>
   {
-    Result<Surface> surface = this->ReadWithinMemory(selection, request, threads, progress);
-    if (!surface.IsOk())
+    ISOSURFACE_ASSIGN_OR_RETURN(const std::vector<std::size_t> selected, this->Select(selection));
+    const EdgeIndexHeader& header = selection.Preview ? this->Preview : this->Header;
+    std::vector<std::vector<std::size_t>> blocks(header.Isovalues.size());
+    for (const std::size_t entry : selected)
     {
-      return this->NameFile(surface.GetStatus());
+      blocks[this->Entries[entry].Block.Isovalue].push_back(entry);
     }
-    return surface;
+    std::vector<std::size_t> isovalues = selection.Isovalues;
+    if (isovalues.empty())
+    {
+      isovalues.resize(blocks.size());
+      std::iota(isovalues.begin(), isovalues.end(), std::size_t{ 0 });
+    }
+    std::vector<IsovalueSource> sources;
+    sources.reserve(isovalues.size());
+    for (const std::size_t isovalue : isovalues)
+    {
+      sources.push_back(
+        { isovalue, std::make_unique<FileBlockSource>(*this, header, blocks[isovalue]) });
+    }
+    return JoinIsovalues(header, sources, request, threads, progress);
   };
-  return RunWithinMemory(this->GetPath(), ": there is not enough memory for the isosurface.", read);
+  auto surface =
+    RunWithinMemory(this->GetPath(), ": there is not enough memory for the isosurface.", read);
+  return surface.IsOk() ? std::move(surface) : this->NameFile(surface.GetStatus());
 }
 
 Status EdgeIndexFile::Verify(int threads, const Progress& progress) const

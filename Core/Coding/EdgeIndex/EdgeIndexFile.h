@@ -88,8 +88,6 @@ private:
   Status ReadDirectory();
   Status ScanRecords();
   Status NameFile(const Status& status) const;
-  Result<Surface> ReadWithinMemory(const EdgeIndexSelection& selection,
-    const ContourRequest& request, int threads, const Progress& progress) const;
 
   std::unique_ptr<RandomAccessFile> File;
   EdgeIndexHeader Header;
