@@ -6,7 +6,6 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkLogger.h"
-#include "vtkMatrix3x3.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -20,15 +19,14 @@
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/WithinMemory.h"
+#include "Ground/Volume/VertexPlaces.h"
 #include "ImageSamples.h"
 #include "MatchVTK.h"
 #include "Surface/Contour/TriangleNormals.h"
 #include "SurfacePolyData.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 vtkStandardNewMacro(vtkEdgeIndexReader);
 vtkCxxSetObjectMacro(vtkEdgeIndexReader, Controller, vtkMultiProcessController);
@@ -36,52 +34,9 @@ vtkCxxSetObjectMacro(vtkEdgeIndexReader, Controller, vtkMultiProcessController);
 namespace
 {
 using isosurface::EdgeIndexSelection;
-using isosurface::GridGeometry;
 using isosurface::Status;
 using isosurface::StatusCode;
-using isosurface::VertexBox;
 using Pipeline = vtkStreamingDemandDrivenPipeline;
-
-// The vertices between which all cells lie that meet a box of the world.
-VertexBox FindVertices(const GridGeometry& grid, const double position[3], const double length[3])
-{
-  double inverse[9];
-  vtkMatrix3x3::Invert(grid.Direction.data(), inverse);
-  double low[3] = { std::numeric_limits<double>::max(), std::numeric_limits<double>::max(),
-    std::numeric_limits<double>::max() };
-  double high[3] = { std::numeric_limits<double>::lowest(), std::numeric_limits<double>::lowest(),
-    std::numeric_limits<double>::lowest() };
-  for (int corner = 0; corner < 8; ++corner)
-  {
-    double offset[3];
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      offset[axis] = position[axis] + ((corner >> axis) & 1 ? length[axis] : 0) - grid.Origin[axis];
-    }
-    double place[3];
-    vtkMatrix3x3::MultiplyPoint(inverse, offset, place);
-    for (int axis = 0; axis < 3; ++axis)
-    {
-      place[axis] = place[axis] / grid.Spacing[axis] - static_cast<double>(grid.Extent[2 * axis]);
-      low[axis] = std::min(low[axis], place[axis]);
-      high[axis] = std::max(high[axis], place[axis]);
-    }
-  }
-  VertexBox box;
-  const isosurface::Index3 size = grid.GetDimensions();
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    const auto last = static_cast<double>(size[axis] - 1);
-    if (!(low[axis] <= last) || !(high[axis] >= 0))
-    {
-      return VertexBox(); // beside the grid
-    }
-    // The cells from the one of `low` to the one of `high`.
-    box.Low[axis] = static_cast<std::int64_t>(std::floor(std::max(low[axis], 0.0)));
-    box.High[axis] = static_cast<std::int64_t>(std::ceil(std::min(high[axis], last))) + 1;
-  }
-  return box;
-}
 
 } // namespace
 
@@ -253,8 +208,11 @@ EdgeIndexSelection vtkEdgeIndexReader::Internals::MakeSelection(vtkInformation* 
   selection.Preview = this->Reader.Preview && header.PreviewLevel > 0;
   if (this->Reader.UseRegion)
   {
-    selection.Box =
-      FindVertices(header.Geometry, this->Reader.RegionPosition, this->Reader.RegionLength);
+    const double* low = this->Reader.RegionPosition;
+    const double* size = this->Reader.RegionLength;
+    selection.Box = isosurface::VertexPlaces(header.Geometry)
+                      .FindVerticesAround({ low[0], low[1], low[2] },
+                        { low[0] + size[0], low[1] + size[1], low[2] + size[2] });
   }
   selection.Piece = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   selection.NumberOfPieces = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
