@@ -13,6 +13,7 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <list>
 #include <new>
@@ -170,7 +171,7 @@ void ControllerCommunicator::ReduceSum(std::vector<std::uint64_t>& values)
 }
 
 void ControllerCommunicator::GatherPart(const Message& mine, std::size_t offset, std::size_t part,
-  const std::vector<vtkIdType>& lengths, Message& all, std::vector<Message>& messages)
+  const std::vector<vtkIdType>& lengths, std::uint8_t* all, std::vector<Message>& messages)
 {
   std::vector<vtkIdType> sizes(lengths.size());
   std::vector<vtkIdType> offsets(lengths.size());
@@ -183,12 +184,11 @@ void ControllerCommunicator::GatherPart(const Message& mine, std::size_t offset,
     total += sizes[rank];
   }
   const auto own = static_cast<std::size_t>(this->GetRank());
-  all.resize(static_cast<std::size_t>(total));
-  this->Controller->AllGatherV(mine.data() + std::min(offset, mine.size()), all.data(), sizes[own],
-    sizes.data(), offsets.data());
+  this->Controller->AllGatherV(
+    mine.data() + std::min(offset, mine.size()), all, sizes[own], sizes.data(), offsets.data());
   for (std::size_t rank = 0; rank < lengths.size(); ++rank)
   {
-    const auto begin = all.begin() + offsets[rank];
+    const std::uint8_t* begin = all + offsets[rank];
     messages[rank].insert(messages[rank].end(), begin, begin + sizes[rank]);
   }
 }
@@ -210,19 +210,21 @@ std::vector<Message> ControllerCommunicator::AllGather(const Message& mine)
   const auto total =
     static_cast<std::size_t>(std::accumulate(lengths.begin(), lengths.end(), vtkIdType{ 0 }));
   std::vector<Message> messages(ranks);
-  Message all;
-  this->AllocateTogether(total,
+  std::array<std::uint8_t, FewBytes> few;
+  Message many;
+  const bool areFew = total <= FewBytes;
+  this->AllocateTogether(areFew ? largest : total,
     [&]
     {
       for (int rank = 0; rank < ranks; ++rank)
       {
         messages[rank].reserve(static_cast<std::size_t>(lengths[rank]));
       }
-      all.reserve(std::min(total, part * static_cast<std::size_t>(ranks)));
+      many.resize(areFew ? 0 : std::min(total, part * static_cast<std::size_t>(ranks)));
     });
   for (std::size_t offset = 0; offset < largest; offset += part)
   {
-    this->GatherPart(mine, offset, part, lengths, all, messages);
+    this->GatherPart(mine, offset, part, lengths, areFew ? few.data() : many.data(), messages);
   }
   return messages;
 }

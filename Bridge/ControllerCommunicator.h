@@ -26,8 +26,9 @@ namespace isosurface
  *
  * VTK's messages count in vtkIdType, but MPI counts in int: longer messages go in several parts.
  *
- * Where a collective needs AgreedBytes or more of memory on any rank, the ranks agree that each has
- * the memory before any sends; otherwise all throw NoMemoryForMessages.
+ * Where a collective allocates AgreedBytes or more on any rank, the ranks agree that each has the memory
+ * before any sends; otherwise all throw NoMemoryForMessages. To gather FewBytes together needs none but
+ * that of the messages, one by one.
  */
 class ISOSURFACEBRIDGE_EXPORT ControllerCommunicator : public Communicator
 {
@@ -37,6 +38,7 @@ public:
 
   /// From this number of bytes on, the cost of agreeing, one more reduction, is small beside a message.
   static constexpr std::size_t AgreedBytes = 1024;
+  static constexpr std::size_t FewBytes = 32768; ///< on the stack
 
   /// A call of MPI sends, or gathers from all ranks, at most `largestPart` bytes; but at least one
   /// from each rank. More than LargestPart means LargestPart. The same on all ranks.
@@ -66,7 +68,7 @@ private:
   /// Appends up to `part` bytes of each rank's message, from `offset` on, to `messages`; `all`: takes
   /// them together.
   void GatherPart(const Message& mine, std::size_t offset, std::size_t part,
-    const std::vector<vtkIdType>& lengths, Message& all, std::vector<Message>& messages);
+    const std::vector<vtkIdType>& lengths, std::uint8_t* all, std::vector<Message>& messages);
   void Send(const Message& message, int rank);
   void Receive(Message& message, int rank);
   /// Resizes the messages that other ranks will send. Collective.

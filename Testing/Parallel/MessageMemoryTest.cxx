@@ -192,7 +192,7 @@ TEST(MessageMemory, AnIndexThatGrowsInTheBackgroundFailsOnAllRanks)
 
 TEST(MessageMemory, ALargerSampleFailsOnAllRanks)
 {
-  IndexOfMessages of({ 60, 50, 3 });
+  IndexOfMessages of({ 200, 150, 3 }); // more than FewBytes
   of.Sample.Share = 0.01; // as if it were of a part of the file
   ForEachBuffer(of.Index.Source, 1,
     [&](Communicator& ranks)
