@@ -155,10 +155,9 @@ struct vtkInPlaceVolumeReader::Steps
 Result<bool> vtkInPlaceVolumeReader::Steps::IsIndexWanted(isosurface::Communicator& ranks) const
 {
   const auto state = this->FindState();
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(state.GetStatus()));
-  std::vector<std::uint64_t> wanted = { *state != IndexState::Current ? 1u : 0u,
-    *state == IndexState::Changed ? 1u : 0u };
-  ranks.ReduceMaximum(wanted);
+  std::vector<std::uint64_t> wanted = { state.IsOk() && *state != IndexState::Current ? 1u : 0u,
+    state.IsOk() && *state == IndexState::Changed ? 1u : 0u };
+  ISOSURFACE_RETURN_IF_ERROR(ranks.ReduceAgreed(state.GetStatus(), wanted));
   if (wanted[1] != 0 && ranks.GetRank() == 0)
   {
     vtkLogF(
@@ -479,17 +478,18 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   isosurface::Communicator& ranks, std::size_t step)
 {
   Steps steps(*this);
-  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(steps.Failure));
+  std::vector<std::uint64_t> all = { this->CoarseAllowed ? 0u : 1u, steps.IsGrowing() ? 0u : 1u,
+    step };
+  ISOSURFACE_RETURN_IF_ERROR(ranks.ReduceAgreed(steps.Failure, all));
   this->Indexed = nullptr;
-  std::vector<std::uint64_t> all = { this->CoarseAllowed ? 1u : 0u, steps.IsGrowing() ? 1u : 0u };
-  ranks.ReduceMinimum(all);
-  step = ranks.Maximum(step);
-  const bool isCoarse = all[0] != 0;
+  step = static_cast<std::size_t>(all[2]);
+  const bool isCoarse = all[0] == 0;
+  const bool isGrowing = all[1] == 0;
   // One in memory stays when it has been taken.
   const bool isOld =
-    all[1] != 0 && this->Stage == RefinementStage::None && !this->Growing->IsCurrent();
+    isGrowing && this->Stage == RefinementStage::None && !this->Growing->IsCurrent();
   Status status;
-  if (all[1] == 0 || this->Stage == RefinementStage::Failed || isOld)
+  if (!isGrowing || this->Stage == RefinementStage::Failed || isOld)
   {
     this->Growing.reset();
     status = isCoarse ? steps.Begin(ranks, step) : steps.Update(ranks);

@@ -135,17 +135,18 @@ Status Sampler::Read()
   for (bool isFirst = true;; isFirst = false)
   {
     std::vector<VertexBox> boxes;
-    ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(this->Ranks, this->Index.Source,
+    const Status found = Attempt(this->Index.Source,
       [&]
       {
         boxes = this->Order->FindNext();
         return Status::Ok();
-      }));
+      });
     const double before = this->GetSeconds();
     const double expected = before + secondsPerBox * static_cast<double>(boxes.size());
-    const bool ends =
-      this->Ranks.Any(boxes.empty() || (!isFirst && expected > this->Limits.Seconds));
-    if (ends)
+    const bool isLast = boxes.empty() || (!isFirst && expected > this->Limits.Seconds);
+    std::vector<std::uint64_t> ends = { isLast ? 1U : 0U };
+    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.ReduceAgreed(found, ends));
+    if (ends[0] != 0)
     {
       return Status::Ok();
     }

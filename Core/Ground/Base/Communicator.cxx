@@ -124,6 +124,15 @@ Status Communicator::Agree(const Status& mine)
     "a rank failed", [&] { return ChooseError(mine, this->AllGather(PackError(mine))); });
 }
 
+Status Communicator::ReduceAgreed(const Status& mine, std::vector<std::uint64_t>& maxima)
+{
+  maxima.push_back(mine.IsOk() ? 0 : 1);
+  this->ReduceMaximum(maxima);
+  const bool areOk = maxima.back() == 0;
+  maxima.pop_back();
+  return areOk || this->GetSize() == 1 ? mine : this->Agree(mine);
+}
+
 Result<std::vector<Message>> Communicator::GatherAgreed(const Status& status, const Message& mine)
 {
   std::vector<Message> messages = this->AllGather(status.IsOk() ? mine : PackError(status));

@@ -116,6 +116,9 @@ public:
    */
   Status Agree(const Status& mine);
 
+  /// ReduceMaximum, if no rank has failed; else what Agree returns. One reduction for both.
+  Status ReduceAgreed(const Status& mine, std::vector<std::uint64_t>& maxima);
+
   /// Gives every rank the messages of all, as AllGather, if no rank has failed; else what Agree returns. The
   /// first byte of `mine` is reserved, and not among what is returned. No reduction.
   Result<std::vector<Message>> GatherAgreed(const Status& status, const Message& mine);

@@ -109,3 +109,26 @@ TEST(Communicator, AStopOfOneRankStopsAllWhateverFailsOnOthers)
     }
   }
 }
+
+TEST(Communicator, ReducesAndAgreesAtOnce)
+{
+  for (const int failing : { -1, 0, 2 })
+  {
+    const auto statuses = AgreeOnRanks(3,
+      [failing](Communicator& communicator, int rank)
+      {
+        std::vector<std::uint64_t> maxima = { 5U - static_cast<unsigned>(rank), 7 };
+        const Status status = communicator.ReduceAgreed(
+          rank == failing ? Status(StatusCode::IoError, "fails") : Status::Ok(), maxima);
+        EXPECT_EQ(maxima, (std::vector<std::uint64_t>{ 5, 7 }));
+        return status;
+      });
+    for (int rank = 0; rank < 3; ++rank)
+    {
+      EXPECT_EQ(statuses[static_cast<std::size_t>(rank)].GetCode(),
+        failing < 0         ? StatusCode::Ok
+          : rank == failing ? StatusCode::IoError
+                            : StatusCode::RemoteFailure);
+    }
+  }
+}
