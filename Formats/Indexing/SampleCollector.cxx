@@ -11,57 +11,18 @@
 namespace isosurface
 {
 
-/// Hands on what another source gives, and shows it to the collector.
-class SampleCollector::Source : public BoxSource
+void SampleCollector::Begin(const OpenedVolume& volume)
 {
-public:
-  Source(SampleCollector& collector, std::unique_ptr<BoxSource> source)
-    : Collector(collector)
-    , Wrapped(std::move(source))
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->Volume = SampledVolume(volume, 0);
+  this->Numbers = Lattice{ this->Volume.Box, this->Step }.GetNumbers();
+  const auto vertices = static_cast<std::size_t>(this->Numbers.GetNumberOfVertices());
+  for (const ValueType type : this->Volume.Types)
   {
+    this->Samples.emplace_back(vertices * GetValueSize(type));
   }
-
-  const VertexBox& GetBox() const override { return this->Wrapped->GetBox(); }
-  std::uint64_t GetReadBytes(const VertexBox& box) const override
-  {
-    return this->Wrapped->GetReadBytes(box);
-  }
-  std::uint64_t GetHeldBytes() const override { return this->Wrapped->GetHeldBytes(); }
-  std::int64_t GetRowsAtOnce() const override { return this->Wrapped->GetRowsAtOnce(); }
-  std::optional<Index3> GetChunk() const override { return this->Wrapped->GetChunk(); }
-  bool HasCheapRows() const override { return this->Wrapped->HasCheapRows(); }
-  void Prefetch(const VertexBox& box) const override { this->Wrapped->Prefetch(box); }
-  bool CanReadAhead() const override { return this->Wrapped->CanReadAhead(); }
-  Result<BoxSamples> Read(const VertexBox& box) override
-  {
-    auto slab = this->Wrapped->Read(box);
-    if (slab.IsOk())
-    {
-      this->Collector.Add(*slab, box);
-    }
-    return slab;
-  }
-
-private:
-  SampleCollector& Collector;
-  std::unique_ptr<BoxSource> Wrapped;
-};
-
-void SampleCollector::Attach(OpenedVolume& volume)
-{
-  {
-    const std::lock_guard<std::mutex> lock(this->Mutex);
-    this->Volume = SampledVolume(volume, 0);
-    this->Numbers = Lattice{ this->Volume.Box, this->Step }.GetNumbers();
-    const auto vertices = static_cast<std::size_t>(this->Numbers.GetNumberOfVertices());
-    for (const ValueType type : this->Volume.Types)
-    {
-      this->Samples.emplace_back(vertices * GetValueSize(type));
-    }
-    this->IsKnown.resize(vertices);
-    this->KnownOfSlice.resize(static_cast<std::size_t>(this->Numbers.High[2]));
-  }
-  volume.Source = std::make_unique<Source>(*this, std::move(volume.Source));
+  this->IsKnown.resize(vertices);
+  this->KnownOfSlice.resize(static_cast<std::size_t>(this->Numbers.High[2]));
 }
 
 void SampleCollector::Add(const BoxSamples& slab, const VertexBox& box)

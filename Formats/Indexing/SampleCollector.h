@@ -29,9 +29,10 @@ public:
   {
   }
 
-  /// Replaces the source of the volume by one that lets this object see what is read. It must
-  /// outlive the source. Once.
-  void Attach(OpenedVolume& volume);
+  /// Of this volume. Once.
+  void Begin(const OpenedVolume& volume);
+  /// What was read of the volume (BlockedVolumeSettings::WhenRead).
+  void Add(const BoxSamples& slab, const VertexBox& box);
 
   /// How many slices of the sample are complete, from the first one on.
   std::int64_t CountSlices() const;
@@ -43,23 +44,20 @@ public:
 
   /// What is known of the sample from a slice on.
   Message Pack(std::int64_t fromSlice) const;
-  /// Adds what another collector of the same volume has packed; nothing before this one is attached.
+  /// Adds what another collector of the same volume has packed; nothing before this one has begun.
   /// False if it does not fit.
   bool Unpack(const Message& message);
 
 private:
-  class Source;
-
-  void Add(const BoxSamples& slab, const VertexBox& box);
   /// Under the lock.
   void MarkKnown(std::size_t first, std::size_t count);
   std::int64_t GetVerticesOfSlice() const { return this->Numbers.High[0] * this->Numbers.High[1]; }
   Lattice FindSlices(std::int64_t slices) const;
 
   const Index3 Step;
-  mutable std::mutex Mutex; ///< guards what follows
-  SampledVolume Volume;     ///< no vertices before it is attached; the same ever after
-  VertexBox Numbers;        ///< of the lattice
+  mutable std::mutex Mutex;                       ///< guards what follows
+  SampledVolume Volume;                           ///< no vertices before Begin; the same ever after
+  VertexBox Numbers;                              ///< of the lattice
   std::vector<std::vector<std::uint8_t>> Samples; ///< of each variable
   std::vector<bool> IsKnown;                      ///< of each vertex
   std::vector<std::int64_t> KnownOfSlice;         ///< how many vertices

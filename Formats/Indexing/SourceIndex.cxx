@@ -303,7 +303,9 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
         }
         if (collector && step == 0)
         {
-          collector->Attach(found.Volume);
+          collector->Begin(found.Volume);
+          found.Settings.WhenRead = [collector](const BoxSamples& slab, const VertexBox& box)
+          { collector->Add(slab, box); };
         }
         return found;
       });

@@ -263,7 +263,7 @@ Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockSp
 Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->PlanRound(steps, round.Spans));
-  const auto read = [this, spans = round.Spans]
+  const auto read = [this, &steps, spans = round.Spans]
   {
     RoundSamples samples;
     samples.OfRank.resize(spans.size());
@@ -272,8 +272,8 @@ Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
       {
         for (std::size_t rank = 0; rank < spans.size(); ++rank)
         {
-          ISOSURFACE_RETURN_IF_ERROR(
-            samples.OfRank[rank].Read(this->Source, this->FindBoxes(spans, rank), this->Types));
+          ISOSURFACE_RETURN_IF_ERROR(samples.OfRank[rank].Read(
+            this->Source, this->FindBoxes(spans, rank), this->Types, steps.WhenRead));
         }
         return Status::Ok();
       });

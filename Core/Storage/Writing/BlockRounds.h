@@ -116,6 +116,8 @@ struct BlockRoundsSteps
     std::int64_t blocks, bool isStopping, const std::function<Status()>& waitUntilWritten)>
     AfterRound;
   Progress Tell;
+  /// Called with what is read of the source, by the thread that reads; may be null.
+  std::function<void(const BoxSamples& slab, const VertexBox& box)> WhenRead;
 };
 
 /**

@@ -188,10 +188,7 @@ Status BlockedVolumeWriteJob::Prepare(const GridGeometry& grid,
     {
       this->Volume->KeepJournal(this->Journal);
     }
-    if (this->Context.Settings.WhenFinished)
-    {
-      this->Volume->TellFinished();
-    }
+    this->Volume->TellCaller();
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(plan)));

@@ -66,6 +66,8 @@ struct BlockedVolumeSettings
   /// Called on the first rank, before anything is written, if the disk has not the room that the
   /// samples take uncompressed.
   std::function<void(const std::string& warning)> Warn;
+  /// Called with what a rank reads of the volume, by the thread that reads.
+  std::function<void(const BoxSamples& slab, const VertexBox& box)> WhenRead;
   /// Called on each rank by its writing thread: the next blocks of the volume are finished, and can be
   /// read (FinishedLayers). Unless the volume is in place, each round waits until it is written.
   std::function<void(const BlockedVolumeHeader& volume, FinishedBlocks blocks)> WhenFinished;

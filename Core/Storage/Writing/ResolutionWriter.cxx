@@ -104,7 +104,7 @@ std::uint64_t ResolutionWriter::GetTableBytes() const
   {
     mine += this->Context.IsMine(store) ? 1 : 0;
   }
-  const std::uint64_t copies = this->TellsFinished && !this->Header.IsInPlace() ? 2 : 1;
+  const std::uint64_t copies = this->TellsFinished() && !this->Header.IsInPlace() ? 2 : 1;
   bytes +=
     copies * mine * BlockStoreWriter::GetEntryBytes(WrittenStores::CountSegments(this->Header));
   if (this->Counts)
@@ -306,7 +306,7 @@ Status ResolutionWriter::WriteBlocks()
                        const std::function<Status()>& waitUntilWritten) -> Status
   {
     const bool isDue = this->Journal && this->IsCheckpointDue(blocks, isStopping);
-    const bool tellsFinished = this->TellsFinished && !isStopping;
+    const bool tellsFinished = this->TellsFinished() && !isStopping;
     if (isDue || (tellsFinished && !this->Header.IsInPlace())) // records that are told can be read
     {
       ISOSURFACE_RETURN_IF_ERROR(this->Context.AgreeOn(this->Context.Attempt(waitUntilWritten)));
@@ -323,6 +323,7 @@ Status ResolutionWriter::WriteBlocks()
     return Status::Ok();
   };
   const double begin = this->NeedsRanges() ? RangesDone : 0;
+  steps.WhenRead = this->TellsCaller ? this->Context.Settings.WhenRead : nullptr;
   steps.Tell = [&](double share) { return this->TellShare(begin + (BlocksDone - begin) * share); };
   const Status status = rounds.Run(steps);
   this->Statistics.Rounds = rounds.GetRounds();

@@ -42,8 +42,8 @@ public:
   /// Makes Write() go on where a journal says, and keep it at checkpoints, with the settings'
   /// seconds between them. The journal must outlive this object.
   void KeepJournal(WriteJournal& journal) { this->Journal = &journal; }
-  /// Makes Write() tell which blocks are finished (BlockedVolumeSettings::WhenFinished).
-  void TellFinished() { this->TellsFinished = true; }
+  /// Makes Write() tell what is read and which blocks are finished (BlockedVolumeSettings).
+  void TellCaller() { this->TellsCaller = true; }
 
   /// Collective. Plans who sends which samples; fails if the ranks do not have all of them.
   Status Prepare();
@@ -70,6 +70,7 @@ private:
   using Clock = std::chrono::steady_clock;
 
   std::vector<VertexBox> GatherBoxes() const;
+  bool TellsFinished() const { return this->TellsCaller && this->Context.Settings.WhenFinished; }
   bool NeedsRanges() const;
   Status ScanRanges(BlockRangeScan& scan);
   Status OpenStores();
@@ -103,7 +104,7 @@ private:
   std::optional<BlockCounts> Counts;      ///< during Write()
   std::optional<WrittenStores> Stores;    ///< from Write() on
   WriteJournal* Journal = nullptr;
-  bool TellsFinished = false;
+  bool TellsCaller = false;
   std::int64_t ToldBlocks = 0;      ///< how many blocks were told to be finished
   Clock::time_point Begin;          ///< of Write()
   Clock::time_point LastCheckpoint; ///< or Begin

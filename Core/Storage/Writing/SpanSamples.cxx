@@ -81,8 +81,9 @@ std::uint64_t SpanSamples::GetReadBytes(
   return bytes;
 }
 
-Status SpanSamples::Read(
-  BoxSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types)
+Status SpanSamples::Read(BoxSource& source, const std::vector<VertexBox>& boxes,
+  const std::vector<ValueType>& types,
+  const std::function<void(const BoxSamples& slab, const VertexBox& box)>& whenRead)
 {
   this->FirstSlice = boxes.empty() ? 0 : boxes.front().Low[2];
   for (const VertexBox& box : boxes)
@@ -92,6 +93,10 @@ Status SpanSamples::Read(
     {
       return Status(
         StatusCode::InvalidArgument, "a rank's samples do not fit the grid or the arrays");
+    }
+    if (whenRead)
+    {
+      whenRead(slab, box);
     }
     const auto number = static_cast<std::uint32_t>(this->Slabs.size());
     this->Slabs.push_back(std::move(slab));

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace isosurface
@@ -42,9 +43,10 @@ public:
   /// The memory that reading some boxes takes.
   static std::uint64_t GetReadBytes(const BoxSource& source, const std::vector<VertexBox>& boxes);
 
-  /// Fails if the source's samples are not of the given types.
-  Status Read(
-    BoxSource& source, const std::vector<VertexBox>& boxes, const std::vector<ValueType>& types);
+  /// Fails if the source's samples are not of the given types. `whenRead`, if it is not null, gets each slab.
+  Status Read(BoxSource& source, const std::vector<VertexBox>& boxes,
+    const std::vector<ValueType>& types,
+    const std::function<void(const BoxSamples& slab, const VertexBox& box)>& whenRead);
 
   /// The samples of a slice of one of the boxes.
   const SampleView& Find(std::size_t array, std::int64_t z) const
