@@ -39,15 +39,19 @@ void SealSegment(std::uint8_t* segment, std::uint32_t stored, const SegmentCodin
 
 Status CheckSegment(const std::uint8_t* segment, std::uint32_t stored, const SegmentPlace& place)
 {
-  const std::string name = "block " + std::to_string(place.Block) + ", variable " +
-    std::to_string(place.Variable) + ", level " + std::to_string(place.Level);
+  const auto makeError = [&place](const char* reason)
+  {
+    return Status(StatusCode::Corrupt,
+      "block " + std::to_string(place.Block) + ", variable " + std::to_string(place.Variable) +
+        ", level " + std::to_string(place.Level) + reason);
+  };
   if (LoadLittleEndian<std::uint64_t>(segment) != ComputeSegmentChecksum(segment, stored, place))
   {
-    return Status(StatusCode::Corrupt, name + " has a wrong checksum");
+    return makeError(" has a wrong checksum");
   }
   if (LoadLittleEndian<std::uint32_t>(segment + 8) != stored)
   {
-    return Status(StatusCode::Corrupt, name + " has another length than the directory states");
+    return makeError(" has another length than the directory states");
   }
   return Status::Ok();
 }

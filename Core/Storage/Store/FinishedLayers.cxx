@@ -137,20 +137,12 @@ Result<DecodedBlocks> FinishedLayers::Gather(
   std::int64_t block, std::size_t first, std::size_t count) const
 {
   DecodedBlocks blocks;
-  const VertexBox box = this->Grid.GetGhostedVertices(block, 0);
+  QueryStatistics statistics;
   for (std::size_t component = first; component < first + count; ++component)
   {
-    const ValueType type = this->Samples->GetType(component);
-    auto gathered = std::make_shared<DecodedBlock>();
-    gathered->Block = block;
-    gathered->Bytes = Buffer<std::uint8_t>(
-      static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type));
-    gathered->View = MakeSampleView(type, box, gathered->Bytes.GetData());
-    gathered->View.Box = this->Grid.GetVertices(block);
-    QueryStatistics statistics;
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->Samples->Read(component, box, gathered->Bytes.GetData(), statistics));
-    blocks.push_back(std::move(gathered));
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      auto read, this->Samples->ReadBlock(component, this->Grid, block, 0, statistics));
+    blocks.push_back(std::move(read));
   }
   return blocks;
 }

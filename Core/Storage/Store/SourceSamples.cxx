@@ -303,25 +303,54 @@ Status SourceSamples::Read(
   return Status::Ok();
 }
 
-Status GatherSegment(SourceSamples& source, const BlockGrid& grid, const BlockDirectoryEntry& entry,
-  const std::string& path, std::size_t component, const std::uint8_t* header, std::uint8_t* segment,
-  QueryStatistics& statistics)
+Result<std::shared_ptr<DecodedBlock>> SourceSamples::ReadBlock(std::size_t component,
+  const BlockGrid& grid, std::int64_t block, std::size_t front, QueryStatistics& statistics)
+{
+  const VertexBox box = grid.GetGhostedVertices(block, 0);
+  const ValueType type = this->GetType(component);
+  auto read = std::make_shared<DecodedBlock>();
+  read->Block = block;
+  read->Bytes = Buffer<std::uint8_t>(
+    front + static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type));
+  std::uint8_t* samples = read->Bytes.GetData() + front;
+  read->View = MakeSampleView(type, box, samples);
+  read->View.Box = grid.GetVertices(block);
+  ISOSURFACE_RETURN_IF_ERROR(this->Read(component, box, samples, statistics));
+  return read;
+}
+
+Result<std::shared_ptr<const DecodedBlock>> GatherBlock(SourceSamples& source,
+  const BlockGrid& grid, const BlockDirectoryEntry& entry, const std::string& path,
+  std::size_t component, const std::uint8_t* header, QueryStatistics& statistics)
 {
   constexpr std::size_t headerSize = BlockRecord::SegmentHeaderSize;
-  const VertexBox box = grid.GetGhostedVertices(entry.Block, 0);
-  const std::size_t bytes =
-    static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(source.GetType(component));
-  if (entry.Lengths[component] != bytes)
+  const auto makeError = [&](const char* reason)
   {
-    return Status(StatusCode::Corrupt,
-      path + ": block " + std::to_string(entry.Block) +
-        " has an impossible length in the directory");
+    return Status(
+      StatusCode::Corrupt, path + ": block " + std::to_string(entry.Block) + " has " + reason);
+  };
+  const std::uint32_t stored = entry.Lengths[component];
+  if (stored !=
+    BlockSegment(grid, entry.Block, 0).GetNumberOfSamples() *
+      GetValueSize(source.GetType(component)))
+  {
+    return makeError("an impossible length in the directory");
   }
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    const auto block, source.ReadBlock(component, grid, entry.Block, headerSize, statistics));
+  std::uint8_t* const segment = block->Bytes.GetData();
   std::memcpy(segment, header, headerSize);
-  ISOSURFACE_RETURN_IF_ERROR(source.Read(component, box, segment + headerSize, statistics));
-  const Status status = CheckSegment(
-    segment, entry.Lengths[component], { entry.Block, static_cast<std::uint32_t>(component), 0 });
-  return status.IsOk() ? status : source.MakeChanged(entry.Block);
+  if (!CheckSegment(segment, stored, { entry.Block, static_cast<std::uint32_t>(component), 0 })
+         .IsOk())
+  {
+    return source.MakeChanged(entry.Block);
+  }
+  const auto coding = LoadSegmentCoding(segment);
+  if (!coding || coding->Codec != SegmentCodec::None)
+  {
+    return makeError("an unknown codec");
+  }
+  return std::shared_ptr<const DecodedBlock>(block);
 }
 
 } // namespace isosurface

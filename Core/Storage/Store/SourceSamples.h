@@ -65,6 +65,10 @@ public:
   Status Read(
     std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics);
 
+  /// The samples of a component in a block of level 0, behind `front` bytes that are left free.
+  Result<std::shared_ptr<DecodedBlock>> ReadBlock(std::size_t component, const BlockGrid& grid,
+    std::int64_t block, std::size_t front, QueryStatistics& statistics);
+
   /// Decodes the chunks of a component that a box needs and that are not in the cache, each by one of so
   /// many threads.
   Status Decode(std::size_t component, const VertexBox& box, int threads);
@@ -149,14 +153,14 @@ private:
 };
 
 /**
- * Makes the segment of a component of a block of a volume in place: its `header`, which the store
- * has, and the samples from the source. `segment` has room for both. The block has one level, whose
- * samples are not compressed. `path`: the file with the header, for messages. Corrupt if the samples
- * are not those that were indexed; the error names the source.
+ * A component of a block of a volume in place: the samples are those of the source, behind the segment's
+ * `header`, which the store has. The block has one level, whose samples are not compressed. `path`: the
+ * file with the header, for messages. Corrupt if the samples are not those that were indexed; the error
+ * names the source.
  */
-Status GatherSegment(SourceSamples& source, const BlockGrid& grid, const BlockDirectoryEntry& entry,
-  const std::string& path, std::size_t component, const std::uint8_t* header, std::uint8_t* segment,
-  QueryStatistics& statistics);
+Result<std::shared_ptr<const DecodedBlock>> GatherBlock(SourceSamples& source,
+  const BlockGrid& grid, const BlockDirectoryEntry& entry, const std::string& path,
+  std::size_t component, const std::uint8_t* header, QueryStatistics& statistics);
 
 } // namespace isosurface
 

@@ -72,19 +72,15 @@ Result<DecodedBlocks> StoreRecords::Read(const BlockDirectoryEntry& entry, std::
     // All components but the last one are read up to level 0.
     ISOSURFACE_RETURN_IF_ERROR(this->CheckLengths(entry, variable, variable == last ? level : 0));
   }
-  const ByteRange range = this->FindRange(entry, first, count, level);
-  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(range.End - range.Begin));
   if (this->Source)
   {
-    ISOSURFACE_RETURN_IF_ERROR(
-      this->GatherSegments(entry, first, count, bytes.GetData(), statistics));
+    return this->Gather(entry, first, count, statistics);
   }
-  else
-  {
-    ISOSURFACE_RETURN_IF_ERROR(this->File->Read(range.Begin, bytes.GetSize(), bytes.GetData()));
-    ++statistics.BlocksRead;
-    statistics.BytesRead += bytes.GetSize();
-  }
+  const ByteRange range = this->FindRange(entry, first, count, level);
+  Buffer<std::uint8_t> bytes(static_cast<std::size_t>(range.End - range.Begin));
+  ISOSURFACE_RETURN_IF_ERROR(this->File->Read(range.Begin, bytes.GetSize(), bytes.GetData()));
+  ++statistics.BlocksRead;
+  statistics.BytesRead += bytes.GetSize();
   DecodedBlocks blocks;
   for (std::size_t variable = first; variable <= last; ++variable)
   {
@@ -96,21 +92,22 @@ Result<DecodedBlocks> StoreRecords::Read(const BlockDirectoryEntry& entry, std::
   return blocks;
 }
 
-Status StoreRecords::GatherSegments(const BlockDirectoryEntry& entry, std::size_t first,
-  std::size_t count, std::uint8_t* segments, QueryStatistics& statistics) const
+Result<DecodedBlocks> StoreRecords::Gather(const BlockDirectoryEntry& entry, std::size_t first,
+  std::size_t count, QueryStatistics& statistics) const
 {
   constexpr std::size_t headerSize = BlockRecord::SegmentHeaderSize;
   std::vector<std::uint8_t> headers(count * headerSize);
   ISOSURFACE_RETURN_IF_ERROR(
     this->File->Read(entry.Offset + first * headerSize, headers.size(), headers.data()));
-  for (std::size_t component = first; component < first + count; ++component)
+  DecodedBlocks blocks;
+  for (std::size_t number = 0; number < count; ++number)
   {
-    ISOSURFACE_RETURN_IF_ERROR(
-      GatherSegment(*this->Source, this->Grid, entry, this->File->GetPath(), component,
-        headers.data() + (component - first) * headerSize, segments, statistics));
-    segments += headerSize + entry.Lengths[component];
+    ISOSURFACE_ASSIGN_OR_RETURN(auto block,
+      GatherBlock(*this->Source, this->Grid, entry, this->File->GetPath(), first + number,
+        headers.data() + number * headerSize, statistics));
+    blocks.push_back(std::move(block));
   }
-  return Status::Ok();
+  return blocks;
 }
 
 Result<std::shared_ptr<const DecodedBlock>> StoreRecords::Decode(const BlockDirectoryEntry& entry,

@@ -63,9 +63,9 @@ private:
     std::shared_ptr<SourceSamples> source);
   Status MakeError(StatusCode code, const std::string& reason) const;
   Status CheckLengths(const BlockDirectoryEntry& entry, std::size_t variable, int level) const;
-  /// The segments of the components [first, first + count), which are in the source.
-  Status GatherSegments(const BlockDirectoryEntry& entry, std::size_t first, std::size_t count,
-    std::uint8_t* segments, QueryStatistics& statistics) const;
+  /// The components [first, first + count), which are in the source.
+  Result<DecodedBlocks> Gather(const BlockDirectoryEntry& entry, std::size_t first,
+    std::size_t count, QueryStatistics& statistics) const;
   /// `segment`: the stored segments of the levels from the coarsest to `level`.
   Result<std::shared_ptr<const DecodedBlock>> Decode(const BlockDirectoryEntry& entry,
     std::size_t variable, int level, const std::uint8_t* segment) const;

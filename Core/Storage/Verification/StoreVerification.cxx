@@ -201,23 +201,15 @@ Status StoreVerification::CheckInPlace(
     {
       continue;
     }
-    Buffer<std::uint8_t> segment(headerSize + entry.Lengths[component]);
-    const Status status = GatherSegment(*this->Source, this->Grid, entry, this->Blocks->GetPath(),
-      component, header, segment.GetData(), statistics);
-    if (!status.IsOk())
-    {
-      faults.push_back(status);
-      continue;
-    }
-    const auto block = DecodeLevel(this->Grid, entry.Block, static_cast<std::uint32_t>(component),
-      0, this->Variables[component].Type, { segment.GetData() }, { entry.Lengths[component] });
+    auto block = GatherBlock(
+      *this->Source, this->Grid, entry, this->Blocks->GetPath(), component, header, statistics);
     if (block.IsOk())
     {
-      components[component] = *block;
+      components[component] = std::move(*block);
     }
     else
     {
-      faults.push_back(this->MakeFault(block.GetStatus().GetMessage()));
+      faults.push_back(block.GetStatus());
     }
   }
   this->CheckRanges(components, ordinal, faults);
