@@ -11,33 +11,33 @@ namespace
 {
 
 /// The active blocks of the volume itself or of one overview, and how many of them are selected.
-struct ActivePart
+struct ActiveBlocks
 {
-  std::uint32_t Part;
+  std::uint32_t Overview;
   std::vector<BlockReference> Blocks;
   double SelectedShare = 1;
 };
 
-Result<ActivePart> FindActivePart(
+Result<ActiveBlocks> FindActiveBlocks(
   BlockedVolume& volume, const SurfaceQuery& query, int level, QueryStatistics& statistics)
 {
-  ActivePart part;
-  part.Part = volume.FindLevel(level).Part;
+  ActiveBlocks active;
+  active.Overview = volume.FindLevel(level).Overview;
   ISOSURFACE_ASSIGN_OR_RETURN(auto plan, PlanQuery(volume, query, level, statistics));
-  part.Blocks = std::move(plan.Blocks);
+  active.Blocks = std::move(plan.Blocks);
   if (!query.Selection.IsPlain())
   {
     SurfaceQuery whole = query;
     whole.Selection = {};
     ISOSURFACE_ASSIGN_OR_RETURN(const auto all, PlanQuery(volume, whole, level, statistics));
-    part.SelectedShare = static_cast<double>(part.Blocks.size()) /
+    active.SelectedShare = static_cast<double>(active.Blocks.size()) /
       static_cast<double>(std::max<std::size_t>(1, all.Blocks.size()));
   }
-  return part;
+  return active;
 }
 
 ExtractionWork EstimateWork(const BlockedVolume& volume, const SurfaceQuery& query, int level,
-  const ActivePart& part, double triangles)
+  const ActiveBlocks& active, double triangles)
 {
   std::vector<std::size_t> variables = { query.Variable };
   for (const std::size_t array : query.Attributes)
@@ -49,15 +49,16 @@ ExtractionWork EstimateWork(const BlockedVolume& volume, const SurfaceQuery& que
   }
   const auto all = static_cast<double>(volume.FindLevel(level).Grid->GetNumberOfBlocks());
   ExtractionWork work;
-  work.Blocks = static_cast<double>(part.Blocks.size());
+  work.Blocks = static_cast<double>(active.Blocks.size());
   work.Triangles = triangles;
   for (const std::size_t variable : variables)
   {
     const double bytes = static_cast<double>(volume.EstimateBytes(variable, level)) / all;
     work.SampleBytes += work.Blocks * bytes;
-    const auto missing = static_cast<double>(std::count_if(part.Blocks.begin(), part.Blocks.end(),
-      [&](const BlockReference& block)
-      { return !volume.IsCached(block, query.TimeStep, variable, level); }));
+    const auto missing =
+      static_cast<double>(std::count_if(active.Blocks.begin(), active.Blocks.end(),
+        [&](const BlockReference& block)
+        { return !volume.IsCached(block, query.TimeStep, variable, level); }));
     work.BlocksRead += missing;
     work.ReadBytes += missing * bytes;
   }
@@ -84,33 +85,32 @@ Result<LevelChoice> ChooseLevel(BlockedVolume& volume, const SurfaceQuery& query
 {
   constexpr double Nanoseconds = 1e9;
   const int coarsest = volume.GetNumberOfLevels() - 1;
-  std::optional<ActivePart> part;
+  std::optional<ActiveBlocks> active;
   LevelChoice choice;
   for (int level = coarsest; level >= std::min(finest, coarsest); --level)
   {
     Status status;
     LevelChoice finer;
     finer.Level = level;
-    if (!part || part->Part != volume.FindLevel(level).Part)
+    if (!active || active->Overview != volume.FindLevel(level).Overview)
     {
-      auto found = FindActivePart(volume, query, level, statistics);
+      auto found = FindActiveBlocks(volume, query, level, statistics);
       status = found.GetStatus();
-      part = found.IsOk() ? std::move(*found) : ActivePart();
+      active = found.IsOk() ? std::move(*found) : ActiveBlocks();
     }
     if (status.IsOk())
     {
       const auto triangles = EstimateTriangles(volume, query, level);
       status = triangles.GetStatus();
-      finer.Triangles = triangles.IsOk() ? *triangles * part->SelectedShare : 0;
+      finer.Triangles = triangles.IsOk() ? *triangles * active->SelectedShare : 0;
+      finer.Work = EstimateWork(volume, query, level, *active, finer.Triangles / query.Ranks);
     }
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(status));
-    finer.Work = EstimateWork(volume, query, level, *part, finer.Triangles / query.Ranks);
     // The ranks' shares of selected blocks differ.
     std::vector<std::uint64_t> greatest = {
       static_cast<std::uint64_t>(std::min(rate.Predict(finer.Work), 1e9) * Nanoseconds),
       static_cast<std::uint64_t>(std::llround(finer.Triangles))
     };
-    ranks.ReduceMaximum(greatest);
+    ISOSURFACE_RETURN_IF_ERROR(ranks.ReduceAgreed(status, greatest));
     finer.Seconds = static_cast<double>(greatest[0]) / Nanoseconds;
     finer.Triangles = static_cast<double>(greatest[1]);
 

@@ -56,7 +56,7 @@ public:
     , Stored(volume.FindLevel(level))
     , Rank(static_cast<std::uint32_t>(query.Rank))
     , Ranks(static_cast<std::uint32_t>(query.Ranks))
-    , Stores(volume.GetStoredGrids()[Stored.Part].Header.NumberOfStores)
+    , Stores(volume.GetStoredGrids()[Stored.Overview].Header.NumberOfStores)
     , Replicas(volume.GetHeader().NumberOfReplicas)
     , Statistics(statistics)
   {
@@ -98,7 +98,8 @@ private:
 
   StoreReplica MakeReplica(std::uint32_t store, std::uint32_t replica) const
   {
-    return { static_cast<std::uint32_t>(this->Query.TimeStep), this->Stored.Part, store, replica };
+    return { static_cast<std::uint32_t>(this->Query.TimeStep), this->Stored.Overview, store,
+      replica };
   }
   std::vector<std::uint32_t> FindReplicas(std::uint32_t store) const
   {

@@ -137,8 +137,8 @@ private:
       return found->second;
     }
     const std::size_t end = this->FindEndOfRead(component);
-    const StoreReplica replica = { static_cast<std::uint32_t>(this->TimeStep), this->Stored.Part,
-      this->Reference.Store, this->Reference.Replica };
+    const StoreReplica replica = { static_cast<std::uint32_t>(this->TimeStep),
+      this->Stored.Overview, this->Reference.Store, this->Reference.Replica };
     ISOSURFACE_ASSIGN_OR_RETURN(const auto blocks,
       this->Stores.ReadReplicas(replica, this->Reference.Ordinal,
         [&](BlockStore& store)
@@ -245,7 +245,7 @@ Result<std::vector<BlockReference>> BlockedVolume::FindActiveBlocks(
     [&]() -> Result<std::vector<BlockReference>>
     {
       const StoreReplica replica = { static_cast<std::uint32_t>(query.TimeStep),
-        this->FindLevel(level).Part, span.Store, span.Replica };
+        this->FindLevel(level).Overview, span.Store, span.Replica };
       auto found = this->Stores->ReadReplicas(replica, StoreFault::Whole,
         [&](BlockStore& store)
         { return isosurface::FindActiveBlocks(store, *this, query, span, level, statistics); });
@@ -267,16 +267,17 @@ Result<std::vector<BlockReference>> BlockedVolume::ListBlocks(
     {
       StoreReplica replica;
       replica.TimeStep = static_cast<std::uint32_t>(timeStep);
-      replica.Part = this->FindLevel(level).Part;
-      const BlockedVolumeHeader& header = this->GetStoredGrids()[replica.Part].Header;
+      replica.Overview = this->FindLevel(level).Overview;
+      const BlockedVolumeHeader& header = this->GetStoredGrids()[replica.Overview].Header;
       std::vector<BlockReference> blocks;
       for (; replica.Store < header.NumberOfStores; ++replica.Store)
       {
         replica.Replica = this->GetFaults().FindBest(replica, header.NumberOfReplicas).front();
         ISOSURFACE_ASSIGN_OR_RETURN(const auto all,
           this->Stores->ReadReplicas(replica, StoreFault::Whole,
-            [&](BlockStore& store)
-            { return isosurface::ListBlocks(store, replica.Store, replica.Part, statistics); }));
+            [&](BlockStore& store) {
+              return isosurface::ListBlocks(store, replica.Store, replica.Overview, statistics);
+            }));
         blocks.insert(blocks.end(), all.begin(), all.end());
       }
       return blocks;
@@ -287,7 +288,7 @@ Result<StoreWork> BlockedVolume::FindStoreWork(const BlockQuery& query, int leve
 {
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(query.TimeStep, query.Variable, level));
   return RunWithinMemory(this->GetPath(), NoMemoryReason,
-    [&] { return this->Stores->FindStoreWork(query, this->FindLevel(level).Part); });
+    [&] { return this->Stores->FindStoreWork(query, this->FindLevel(level).Overview); });
 }
 
 const StoreFaults& BlockedVolume::GetFaults() const
@@ -345,7 +346,7 @@ void BlockedVolume::Prefetch(const std::vector<BlockReference>& blocks, std::siz
     std::map<StoreReplica, std::vector<const BlockReference*>> replicas;
     for (; begin < end && blocks[begin].Store == number; ++begin)
     {
-      StoreReplica replica = { static_cast<std::uint32_t>(timeStep), stored.Part, number,
+      StoreReplica replica = { static_cast<std::uint32_t>(timeStep), stored.Overview, number,
         blocks[begin].Replica };
       replica.Replica = this->Stores->FindReplica(replica, blocks[begin].Ordinal);
       replicas[replica].push_back(&blocks[begin]);
@@ -430,9 +431,9 @@ Result<DecodedBlocks> BlockedVolume::ReadVariables(const BlockReference& referen
     ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   }
   const StoredLevel stored = this->FindLevel(level);
-  const StoredGrid& part = this->GetStoredGrids()[stored.Part];
-  if (reference.Part != stored.Part || reference.Store >= part.Header.NumberOfStores ||
-    reference.Block < 0 || reference.Block >= part.Grid.GetNumberOfBlocks())
+  const StoredGrid& grid = this->GetStoredGrids()[stored.Overview];
+  if (reference.Overview != stored.Overview || reference.Store >= grid.Header.NumberOfStores ||
+    reference.Block < 0 || reference.Block >= grid.Grid.GetNumberOfBlocks())
   {
     return Status(StatusCode::InvalidArgument,
       this->GetPath() + ": has no block " + std::to_string(reference.Block) + " in store " +
@@ -483,7 +484,7 @@ Result<std::shared_ptr<const WorkloadSpectrum>> BlockedVolume::GetSpectrum(
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra,
     RunWithinMemory(this->GetPath(), NoMemoryReason,
-      [&] { return this->Stores->GetSpectra(timeStep, this->FindLevel(level).Part); }));
+      [&] { return this->Stores->GetSpectra(timeStep, this->FindLevel(level).Overview); }));
   return spectra->GetTotal(variable);
 }
 
@@ -519,17 +520,17 @@ Result<double> BlockedVolume::EstimateTriangles(
   };
   ISOSURFACE_RETURN_IF_ERROR(this->CheckArguments(timeStep, variable, level));
   const StoredLevel stored = this->FindLevel(level);
-  const std::vector<StoredGrid>& parts = this->GetStoredGrids();
+  const std::vector<StoredGrid>& grids = this->GetStoredGrids();
   auto finer = count(level);
   if (!finer.IsOk() || stored.Level == 0)
   {
     return finer;
   }
-  if (stored.Part + 1 == parts.size())
+  if (stored.Overview + 1 == grids.size())
   {
     return std::ldexp(*finer, -2 * stored.Level);
   }
-  const auto coarser = count(parts[stored.Part + 1].FirstLevel);
+  const auto coarser = count(grids[stored.Overview + 1].FirstLevel);
   if (!coarser.IsOk() || *coarser <= 0 || *finer <= 0)
   {
     return coarser.IsOk() ? Result<double>(std::ldexp(*finer, -2 * stored.Level)) : coarser;

@@ -16,7 +16,7 @@ constexpr std::size_t MaximumReasonBytes = 1000;
 void Append(Message& bytes, const StoreFault& fault)
 {
   for (const std::uint32_t number :
-    { fault.Where.TimeStep, fault.Where.Part, fault.Where.Store, fault.Where.Replica })
+    { fault.Where.TimeStep, fault.Where.Overview, fault.Where.Store, fault.Where.Replica })
   {
     AppendLittleEndian(bytes, number);
   }
@@ -30,7 +30,7 @@ StoreFault Take(ByteReader& reader)
 {
   StoreFault fault;
   fault.Where.TimeStep = reader.Read<std::uint32_t>();
-  fault.Where.Part = reader.Read<std::uint32_t>();
+  fault.Where.Overview = reader.Read<std::uint32_t>();
   fault.Where.Store = reader.Read<std::uint32_t>();
   fault.Where.Replica = reader.Read<std::uint32_t>();
   fault.Ordinal = reader.Read<std::int64_t>();

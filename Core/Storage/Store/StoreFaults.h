@@ -22,14 +22,14 @@ struct StoreReplica
   static constexpr std::uint32_t Spectra = 0xffffffff;
 
   std::uint32_t TimeStep = 0;
-  std::uint32_t Part = 0; ///< StoredLevel::Part
+  std::uint32_t Overview = 0; ///< StoredLevel::Overview
   std::uint32_t Store = 0;
   std::uint32_t Replica = 0;
 
   bool operator<(const StoreReplica& other) const
   {
-    return std::tie(this->TimeStep, this->Part, this->Store, this->Replica) <
-      std::tie(other.TimeStep, other.Part, other.Store, other.Replica);
+    return std::tie(this->TimeStep, this->Overview, this->Store, this->Replica) <
+      std::tie(other.TimeStep, other.Overview, other.Store, other.Replica);
   }
   bool operator==(const StoreReplica& other) const { return !(*this < other || other < *this); }
 };

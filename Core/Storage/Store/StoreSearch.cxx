@@ -16,15 +16,15 @@ namespace
 using References = std::vector<BlockReference>;
 
 /// The blocks [begin, end) of a list of ordinals. Cost: the directory pages of these.
-Result<References> MakeReferences(const BlockStore& store, std::uint32_t number, std::uint32_t part,
-  const std::vector<std::uint32_t>& ordinals, std::uint64_t begin, std::uint64_t end,
-  QueryStatistics& statistics)
+Result<References> MakeReferences(const BlockStore& store, std::uint32_t number,
+  std::uint32_t overview, const std::vector<std::uint32_t>& ordinals, std::uint64_t begin,
+  std::uint64_t end, QueryStatistics& statistics)
 {
   References references;
   for (std::uint64_t index = begin; index < end; ++index)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(const auto block, store.FindBlock(ordinals[index], statistics));
-    references.push_back({ block, number, ordinals[index], part, 0 });
+    references.push_back({ block, number, ordinals[index], overview, 0 });
   }
   return references;
 }
@@ -39,7 +39,7 @@ Result<References> FindActiveBlocks(BlockStore& store, const VolumeLayout& layou
     const auto active, store.FindActive(query.Variable, query.Isovalues, statistics));
   if (query.Selection.IsPlain())
   {
-    return MakeReferences(store, span.Store, stored.Part, active, span.FindBegin(active.size()),
+    return MakeReferences(store, span.Store, stored.Overview, active, span.FindBegin(active.size()),
       span.FindEnd(active.size()), statistics);
   }
   std::vector<std::uint32_t> candidates = active;
@@ -57,7 +57,8 @@ Result<References> FindActiveBlocks(BlockStore& store, const VolumeLayout& layou
       active.begin(), active.end(), inside.begin(), inside.end(), std::back_inserter(candidates));
   }
   ISOSURFACE_ASSIGN_OR_RETURN(auto found,
-    MakeReferences(store, span.Store, stored.Part, candidates, 0, candidates.size(), statistics));
+    MakeReferences(
+      store, span.Store, stored.Overview, candidates, 0, candidates.size(), statistics));
   const GridGeometry geometry = layout.GetHeader().Grid.Coarsen(level);
   BlockSelection selection = query.Selection;
   selection.Lines = layout.GetLines(level);
@@ -74,11 +75,11 @@ Result<References> FindActiveBlocks(BlockStore& store, const VolumeLayout& layou
 }
 
 Result<References> ListBlocks(
-  BlockStore& store, std::uint32_t number, std::uint32_t part, QueryStatistics& statistics)
+  BlockStore& store, std::uint32_t number, std::uint32_t overview, QueryStatistics& statistics)
 {
   std::vector<std::uint32_t> ordinals(static_cast<std::size_t>(store.GetNumberOfBlocks()));
   std::iota(ordinals.begin(), ordinals.end(), 0U);
-  return MakeReferences(store, number, part, ordinals, 0, ordinals.size(), statistics);
+  return MakeReferences(store, number, overview, ordinals, 0, ordinals.size(), statistics);
 }
 
 } // namespace isosurface

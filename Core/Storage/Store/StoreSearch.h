@@ -4,8 +4,8 @@
 
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSelection.h"
-#include "Storage/Store/VolumeLayout.h"
 #include "Storage/Store/QueryStatistics.h"
+#include "Storage/Store/VolumeLayout.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -49,9 +49,9 @@ struct StoreWork
 Result<std::vector<BlockReference>> FindActiveBlocks(BlockStore& store, const VolumeLayout& layout,
   const BlockQuery& query, const StoreSpan& span, int level, QueryStatistics& statistics);
 
-/// All blocks of a store that is open, by ordinal. `number`: of the store. `part`: see StoredLevel.
+/// All blocks of a store that is open, by ordinal. `number`: of the store. `overview`: see StoredLevel.
 Result<std::vector<BlockReference>> ListBlocks(
-  BlockStore& store, std::uint32_t number, std::uint32_t part, QueryStatistics& statistics);
+  BlockStore& store, std::uint32_t number, std::uint32_t overview, QueryStatistics& statistics);
 
 } // namespace isosurface
 

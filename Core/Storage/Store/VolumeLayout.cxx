@@ -40,12 +40,12 @@ std::uint64_t ComputeFingerprint(
 std::uint64_t ComputeIdentity(const std::string& place, const TimeStepDescription& step)
 {
   const std::string text = place + "\n" + step.Folder;
-  std::vector<std::uint64_t> parts = { ComputeChecksum(text.data(), text.size()) };
+  std::vector<std::uint64_t> checksums = { ComputeChecksum(text.data(), text.size()) };
   for (const StoreDescription& store : step.Stores)
   {
-    parts.push_back(store.Checksum);
+    checksums.push_back(store.Checksum);
   }
-  return ComputeChecksum(parts.data(), parts.size() * sizeof(std::uint64_t));
+  return ComputeChecksum(checksums.data(), checksums.size() * sizeof(std::uint64_t));
 }
 
 } // namespace
@@ -60,10 +60,10 @@ VolumeLayout::VolumeLayout(
   , Variables(header.GetVariables())
 {
   const std::string place = FindCanonicalPath(this->Path);
-  this->AddPart(std::move(header), place);
+  this->AddGrid(std::move(header), place);
   for (std::size_t overview = 0; overview < this->GetHeader().Overviews.size(); ++overview)
   {
-    this->AddPart(this->GetHeader().MakeOverview(overview), place);
+    this->AddGrid(this->GetHeader().MakeOverview(overview), place);
   }
   const std::optional<GridLines>& lines = this->GetHeader().Lines;
   for (int level = 0; lines && level < this->GetNumberOfLevels(); ++level)
@@ -72,17 +72,17 @@ VolumeLayout::VolumeLayout(
   }
 }
 
-void VolumeLayout::AddPart(BlockedVolumeHeader header, const std::string& place)
+void VolumeLayout::AddGrid(BlockedVolumeHeader header, const std::string& place)
 {
-  StoredGrid part;
-  part.FirstLevel = this->StoredGrids.empty() ? 0 : this->GetNumberOfLevels();
-  part.Header = std::move(header);
-  part.Grid = part.Header.GetBlockGrid();
-  for (const TimeStepDescription& step : part.Header.TimeSteps)
+  StoredGrid stored;
+  stored.FirstLevel = this->StoredGrids.empty() ? 0 : this->GetNumberOfLevels();
+  stored.Header = std::move(header);
+  stored.Grid = stored.Header.GetBlockGrid();
+  for (const TimeStepDescription& step : stored.Header.TimeSteps)
   {
-    part.Identities.push_back(ComputeIdentity(place, step));
+    stored.Identities.push_back(ComputeIdentity(place, step));
   }
-  this->StoredGrids.push_back(std::move(part));
+  this->StoredGrids.push_back(std::move(stored));
 }
 
 int VolumeLayout::GetNumberOfLevels() const
@@ -92,20 +92,22 @@ int VolumeLayout::GetNumberOfLevels() const
 
 StoredLevel VolumeLayout::FindLevel(int level) const
 {
-  std::uint32_t part = 0;
-  while (part + 1 < this->StoredGrids.size() && this->StoredGrids[part + 1].FirstLevel <= level)
+  std::uint32_t overview = 0;
+  while (
+    overview + 1 < this->StoredGrids.size() && this->StoredGrids[overview + 1].FirstLevel <= level)
   {
-    ++part;
+    ++overview;
   }
-  return { part, level - this->StoredGrids[part].FirstLevel, &this->StoredGrids[part].Grid };
+  return { overview, level - this->StoredGrids[overview].FirstLevel,
+    &this->StoredGrids[overview].Grid };
 }
 
 std::vector<std::uint64_t> VolumeLayout::ListDatasets() const
 {
   std::vector<std::uint64_t> datasets;
-  for (const StoredGrid& part : this->StoredGrids)
+  for (const StoredGrid& stored : this->StoredGrids)
   {
-    datasets.insert(datasets.end(), part.Identities.begin(), part.Identities.end());
+    datasets.insert(datasets.end(), stored.Identities.begin(), stored.Identities.end());
   }
   for (const TimeStepDescription& step : this->GetHeader().TimeSteps)
   {
@@ -120,7 +122,7 @@ std::vector<std::uint64_t> VolumeLayout::ListDatasets() const
 BlockCacheKey VolumeLayout::MakeKey(
   std::int64_t block, std::size_t timeStep, std::size_t variable, const StoredLevel& stored) const
 {
-  return { this->StoredGrids[stored.Part].Identities[timeStep], block,
+  return { this->StoredGrids[stored.Overview].Identities[timeStep], block,
     static_cast<std::uint32_t>(variable), static_cast<std::uint32_t>(stored.Level) };
 }
 

@@ -24,14 +24,14 @@ struct BlockReference
   std::int64_t Block = 0;
   std::uint32_t Store = 0;
   std::uint32_t Ordinal = 0;
-  std::uint32_t Part = 0;    ///< StoredLevel::Part
-  std::uint32_t Replica = 0; ///< of the store, which is read first; all have the same bytes
+  std::uint32_t Overview = 0; ///< StoredLevel::Overview
+  std::uint32_t Replica = 0;  ///< of the store, which is read first; all have the same bytes
 
   /// Whether both are the same block, of any replica.
   bool operator==(const BlockReference& other) const
   {
     return this->Block == other.Block && this->Store == other.Store &&
-      this->Ordinal == other.Ordinal && this->Part == other.Part;
+      this->Ordinal == other.Ordinal && this->Overview == other.Overview;
   }
 };
 
@@ -42,7 +42,7 @@ struct BlockReference
  */
 struct StoredLevel
 {
-  std::uint32_t Part = 0;          ///< 0 is the volume itself, n the n-th overview
+  std::uint32_t Overview = 0;      ///< 0 is the volume itself, n the n-th overview
   int Level = 0;                   ///< of the records there
   const BlockGrid* Grid = nullptr; ///< the blocks there; belongs to the volume
 };
@@ -96,7 +96,7 @@ public:
   /// Whether the samples of a level are in the volume's source.
   bool IsInSource(const StoredLevel& stored) const
   {
-    return stored.Part == 0 && this->GetHeader().IsInPlace();
+    return stored.Overview == 0 && this->GetHeader().IsInPlace();
   }
   /// BlockCacheKey::Dataset of all that can be cached: blocks, and chunks of sources.
   std::vector<std::uint64_t> ListDatasets() const;
@@ -105,7 +105,7 @@ public:
 
 private:
   /// `place`: the canonical path.
-  void AddPart(BlockedVolumeHeader header, const std::string& place);
+  void AddGrid(BlockedVolumeHeader header, const std::string& place);
 
   std::string Path;
   std::uint64_t HeaderSize;

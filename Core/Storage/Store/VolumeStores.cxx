@@ -46,9 +46,9 @@ VolumeStores::VolumeStores(const VolumeLayout& layout, FileSystem& files,
   , Sources(layout.GetHeader().TimeSteps.size())
   , Spectra(layout.GetStoredGrids().size())
 {
-  for (std::vector<std::shared_ptr<const VolumeSpectra>>& ofPart : this->Spectra)
+  for (std::vector<std::shared_ptr<const VolumeSpectra>>& ofGrid : this->Spectra)
   {
-    ofPart.resize(this->Sources.size());
+    ofGrid.resize(this->Sources.size());
   }
 }
 
@@ -85,7 +85,7 @@ void VolumeStores::ReplicaErrors::Add(
 {
   this->Errors.push_back(error);
   const BlockedVolumeHeader& header =
-    this->Stores.Layout.GetStoredGrids()[this->Preferred.Part].Header;
+    this->Stores.Layout.GetStoredGrids()[this->Preferred.Overview].Header;
   this->IsFinal = header.NumberOfReplicas == 1 || error.GetCode() == StatusCode::OutOfMemory ||
     error.GetCode() == StatusCode::Aborted;
   if (this->IsFinal)
@@ -105,7 +105,7 @@ void VolumeStores::ReplicaErrors::Add(
     return;
   }
   // The source may be to blame, unless another replica can be read.
-  const bool isInSource = this->Preferred.Part == 0 && header.IsInPlace();
+  const bool isInSource = this->Preferred.Overview == 0 && header.IsInPlace();
   this->Fault = { this->Preferred, ordinal, error.GetMessage() };
   if (!isInSource)
   {
@@ -119,7 +119,7 @@ void VolumeStores::ReplicaErrors::Add(
   {
     for (std::uint32_t lost = 0; lost < header.NumberOfReplicas; ++lost)
     {
-      const StoreReplica where = { this->Preferred.TimeStep, this->Preferred.Part,
+      const StoreReplica where = { this->Preferred.TimeStep, this->Preferred.Overview,
         (host + stores - lost) % stores, lost };
       this->Stores.Faults.Add({ where, StoreFault::Whole, error.GetMessage() });
     }
@@ -157,7 +157,8 @@ Status VolumeStores::ReplicaErrors::Join() const
 std::vector<std::uint32_t> VolumeStores::OrderReplicas(
   const StoreReplica& preferred, std::int64_t ordinal) const
 {
-  const std::uint32_t count = this->Layout.GetStoredGrids()[preferred.Part].Header.NumberOfReplicas;
+  const std::uint32_t count =
+    this->Layout.GetStoredGrids()[preferred.Overview].Header.NumberOfReplicas;
   std::vector<std::uint32_t> order;
   for (std::uint32_t next = 0; next < count; ++next)
   {
@@ -183,19 +184,20 @@ std::string VolumeStores::DescribeNews(const std::vector<StoreFault>& news)
   std::string reason;
   for (const StoreFault& fault : news)
   {
-    const std::uint32_t part = fault.Where.Part;
-    if (part >= this->Layout.GetStoredGrids().size() || fault.Where.Store == StoreReplica::Spectra)
+    const std::uint32_t overview = fault.Where.Overview;
+    if (overview >= this->Layout.GetStoredGrids().size() ||
+      fault.Where.Store == StoreReplica::Spectra)
     {
       // Spectra balance the work, no more.
       continue;
     }
     const std::uint32_t host = FindHost(fault.Where.Store, fault.Where.Replica,
-      this->Layout.GetStoredGrids()[part].Header.NumberOfStores);
-    if (this->ToldStores.insert({ part, host }).second)
+      this->Layout.GetStoredGrids()[overview].Header.NumberOfStores);
+    if (this->ToldStores.insert({ overview, host }).second)
     {
       stores += stores.empty() ? "" : ", ";
       stores += "store " + std::to_string(host);
-      stores += part > 0 ? " of overview " + std::to_string(part) : "";
+      stores += overview > 0 ? " of overview " + std::to_string(overview) : "";
       reason = reason.empty() ? fault.Reason : reason;
     }
   }
@@ -205,13 +207,13 @@ std::string VolumeStores::DescribeNews(const std::vector<StoreFault>& news)
       reason + "); blockvolume --repair restores it";
 }
 
-Result<StoreWork> VolumeStores::FindStoreWork(const BlockQuery& query, std::uint32_t part)
+Result<StoreWork> VolumeStores::FindStoreWork(const BlockQuery& query, std::uint32_t overview)
 {
-  const StoreReplica spectra = { static_cast<std::uint32_t>(query.TimeStep), part,
+  const StoreReplica spectra = { static_cast<std::uint32_t>(query.TimeStep), overview,
     StoreReplica::Spectra, 0 };
   if (this->Faults.GetState(spectra, true) == ReplicaState::Sound)
   {
-    auto work = this->SumTriangles(query, part);
+    auto work = this->SumTriangles(query, overview);
     if (!work.IsOk())
     {
       ISOSURFACE_RETURN_IF_ERROR(this->CheckNotRewritten(query.TimeStep));
@@ -221,7 +223,7 @@ Result<StoreWork> VolumeStores::FindStoreWork(const BlockQuery& query, std::uint
   }
   StoreWork work;
   for (const StoreDescription& store :
-    this->Layout.GetStoredGrids()[part].Header.TimeSteps[query.TimeStep].Stores)
+    this->Layout.GetStoredGrids()[overview].Header.TimeSteps[query.TimeStep].Stores)
   {
     work.Triangles.push_back(store.Blocks);
     work.ActiveBlocks += store.Blocks;
@@ -229,13 +231,13 @@ Result<StoreWork> VolumeStores::FindStoreWork(const BlockQuery& query, std::uint
   return work;
 }
 
-Result<StoreWork> VolumeStores::SumTriangles(const BlockQuery& query, std::uint32_t part)
+Result<StoreWork> VolumeStores::SumTriangles(const BlockQuery& query, std::uint32_t overview)
 {
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra, this->GetSpectra(query.TimeStep, part));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra, this->GetSpectra(query.TimeStep, overview));
   const std::lock_guard<std::mutex> lock(this->WorkMutex);
-  ISOSURFACE_RETURN_IF_ERROR(this->ReadStoreWork(query, part));
+  ISOSURFACE_RETURN_IF_ERROR(this->ReadStoreWork(query, overview));
   const WorkloadSpectrum& total = *spectra->GetTotal(query.Variable);
-  const std::uint32_t stores = this->Layout.GetStoredGrids()[part].Header.NumberOfStores;
+  const std::uint32_t stores = this->Layout.GetStoredGrids()[overview].Header.NumberOfStores;
   StoreWork work;
   work.Triangles.assign(stores, 0);
   for (const double isovalue : query.Isovalues)
@@ -252,18 +254,18 @@ Result<StoreWork> VolumeStores::SumTriangles(const BlockQuery& query, std::uint3
 }
 
 /// The mutex is held.
-Status VolumeStores::ReadStoreWork(const BlockQuery& query, std::uint32_t part)
+Status VolumeStores::ReadStoreWork(const BlockQuery& query, std::uint32_t overview)
 {
   KeptWork& kept = this->Work;
-  if (!kept.Triangles.empty() && kept.TimeStep == query.TimeStep && kept.Part == part &&
+  if (!kept.Triangles.empty() && kept.TimeStep == query.TimeStep && kept.Overview == overview &&
     kept.Variable == query.Variable)
   {
     return Status::Ok();
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra, this->GetSpectra(query.TimeStep, part));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto spectra, this->GetSpectra(query.TimeStep, overview));
   std::vector<std::vector<std::uint64_t>> triangles;
-  for (std::uint32_t store = 0; store < this->Layout.GetStoredGrids()[part].Header.NumberOfStores;
-       ++store)
+  for (std::uint32_t store = 0;
+       store < this->Layout.GetStoredGrids()[overview].Header.NumberOfStores; ++store)
   {
     const auto spectrum = spectra->GetStore(query.Variable, store);
     if (!spectrum.IsOk())
@@ -273,7 +275,7 @@ Status VolumeStores::ReadStoreWork(const BlockQuery& query, std::uint32_t part)
     }
     triangles.push_back((*spectrum)->Triangles);
   }
-  kept = { query.TimeStep, part, query.Variable, std::move(triangles) };
+  kept = { query.TimeStep, overview, query.Variable, std::move(triangles) };
   return Status::Ok();
 }
 
@@ -288,7 +290,7 @@ Result<std::shared_ptr<BlockStore>> VolumeStores::GetStore(const StoreReplica& r
       return open->Store;
     }
   }
-  const BlockedVolumeHeader& header = this->Layout.GetStoredGrids()[replica.Part].Header;
+  const BlockedVolumeHeader& header = this->Layout.GetStoredGrids()[replica.Overview].Header;
   const TimeStepDescription& step = header.TimeSteps[replica.TimeStep];
   std::shared_ptr<SourceSamples> source;
   if (step.Source)
@@ -316,8 +318,8 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   std::shared_ptr<SourceSamples>& kept = this->Sources[timeStep];
   if (!kept)
   {
-    const StoredGrid& part = this->Layout.GetStoredGrids().front();
-    const BlockedVolumeHeader& header = part.Header;
+    const StoredGrid& stored = this->Layout.GetStoredGrids().front();
+    const BlockedVolumeHeader& header = stored.Header;
     ISOSURFACE_ASSIGN_OR_RETURN(kept,
       SourceSamples::Open(this->Files, this->Opener, this->Layout.GetPath(),
         *header.TimeSteps[timeStep].Source, header.Grid, header.Arrays, this->Cache));
@@ -336,11 +338,11 @@ Status VolumeStores::CheckSource(std::size_t timeStep)
 }
 
 Result<std::shared_ptr<const VolumeSpectra>> VolumeStores::GetSpectra(
-  std::size_t timeStep, std::uint32_t part)
+  std::size_t timeStep, std::uint32_t overview)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  const BlockedVolumeHeader& header = this->Layout.GetStoredGrids()[part].Header;
-  std::shared_ptr<const VolumeSpectra>& kept = this->Spectra[part][timeStep];
+  const BlockedVolumeHeader& header = this->Layout.GetStoredGrids()[overview].Header;
+  std::shared_ptr<const VolumeSpectra>& kept = this->Spectra[overview][timeStep];
   if (!kept)
   {
     auto spectra = VolumeSpectra::Read(this->Files, this->Layout.GetPath(),

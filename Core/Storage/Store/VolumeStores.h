@@ -7,10 +7,10 @@
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockCache.h"
 #include "Storage/Store/BlockStore.h"
+#include "Storage/Store/SpectraFile.h"
 #include "Storage/Store/StoreFaults.h"
 #include "Storage/Store/StoreSearch.h"
 #include "Storage/Store/VolumeLayout.h"
-#include "Storage/Store/SpectraFile.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -99,8 +99,9 @@ public:
   /// What isosurfaces take of each store, the same on all ranks: the triangles, or, if the ranks
   /// know that one cannot read the spectra, all blocks in place of triangles. In a part, at the
   /// finest level there. The counts of stores are kept until another variable is asked for.
-  Result<StoreWork> FindStoreWork(const BlockQuery& query, std::uint32_t part);
-  Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(std::size_t timeStep, std::uint32_t part);
+  Result<StoreWork> FindStoreWork(const BlockQuery& query, std::uint32_t overview);
+  Result<std::shared_ptr<const VolumeSpectra>> GetSpectra(
+    std::size_t timeStep, std::uint32_t overview);
 
   /// Ok if the header on disk still has the time step as it was when the volume was opened.
   Status CheckNotRewritten(std::size_t timeStep) const;
@@ -143,7 +144,7 @@ private:
   struct KeptWork
   {
     std::size_t TimeStep = 0;
-    std::uint32_t Part = 0;
+    std::uint32_t Overview = 0;
     std::size_t Variable = 0;
     std::vector<std::vector<std::uint64_t>> Triangles;
   };
@@ -152,8 +153,8 @@ private:
   std::vector<std::uint32_t> OrderReplicas(
     const StoreReplica& preferred, std::int64_t ordinal) const;
   /// The same by the spectra alone.
-  Result<StoreWork> SumTriangles(const BlockQuery& query, std::uint32_t part);
-  Status ReadStoreWork(const BlockQuery& query, std::uint32_t part);
+  Result<StoreWork> SumTriangles(const BlockQuery& query, std::uint32_t overview);
+  Status ReadStoreWork(const BlockQuery& query, std::uint32_t overview);
 
   /// What has the samples of a time step of a volume in place, opened at the first call. The mutex
   /// is held.
@@ -165,14 +166,14 @@ private:
   VolumeOpener Opener;
 
   StoreFaults Faults;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> ToldStores; ///< part and number
+  std::set<std::pair<std::uint32_t, std::uint32_t>> ToldStores; ///< overview and number
   std::mutex WorkMutex;
   KeptWork Work;
 
   std::mutex Mutex;
   std::list<OpenStore> OpenStores;                     ///< the most recently used one first
   std::vector<std::shared_ptr<SourceSamples>> Sources; ///< per time step
-  /// Per part and time step.
+  /// Per overview and time step.
   std::vector<std::vector<std::shared_ptr<const VolumeSpectra>>> Spectra;
 };
 

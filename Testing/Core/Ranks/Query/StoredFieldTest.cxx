@@ -103,7 +103,7 @@ TEST(StoredField, EndWithTheFinestOneAndSkipThoseInItsBlocks)
       EXPECT_TRUE(next == finest || opened->FindLevel(next).Level == 0);
       if (level - next > 1)
       {
-        EXPECT_EQ(opened->FindLevel(next).Part, opened->FindLevel(level - 1).Part);
+        EXPECT_EQ(opened->FindLevel(next).Overview, opened->FindLevel(level - 1).Overview);
       }
       level = next;
     }

@@ -65,9 +65,9 @@ TEST(BlockedVolumeLevels, GoDownToASingleBlock)
   for (int level = 0; level < opened->GetNumberOfLevels(); ++level)
   {
     const StoredLevel stored = opened->FindLevel(level);
-    EXPECT_EQ(stored.Part, static_cast<std::uint32_t>(std::min(level / 2, 3)));
-    EXPECT_EQ(stored.Level, level - 2 * static_cast<int>(stored.Part));
-    EXPECT_EQ(stored.Grid->GetNumberOfBlocks(), blocks[stored.Part]);
+    EXPECT_EQ(stored.Overview, static_cast<std::uint32_t>(std::min(level / 2, 3)));
+    EXPECT_EQ(stored.Level, level - 2 * static_cast<int>(stored.Overview));
+    EXPECT_EQ(stored.Grid->GetNumberOfBlocks(), blocks[stored.Overview]);
     EXPECT_EQ(opened->GetSpectrumLevel(level), level - stored.Level);
   }
   // Few blocks are not spread over many stores; nothing temporary is left.
