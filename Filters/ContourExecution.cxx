@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ContourExecution.h"
 
-#include "ContouredArray.h"
 #include "ErrorReport.h"
 #include "MatchVTK.h"
 #include "vtkBlockedVolumeHandle.h"
@@ -30,6 +29,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 namespace isosurface
@@ -240,26 +240,26 @@ std::uint64_t ContourExecution::ComputeFingerprint(
     fingerprint.AddReals(halfSpace.Normal);
     fingerprint.AddReal(halfSpace.Offset);
   }
+  contour.VisitProperties(
+    [&fingerprint](const char*, auto value)
+    {
+      if constexpr (std::is_floating_point_v<decltype(value)>)
+      {
+        fingerprint.AddReal(value);
+      }
+      else
+      {
+        fingerprint.AddNumber(static_cast<std::uint64_t>(value));
+      }
+    });
   const double* point = contour.GetIslandPoint();
-  fingerprint.AddReals(std::array<double, 5>{
-    contour.GetTimeBudget(), contour.GetMinimumIslandSize(), point[0], point[1], point[2] });
-  for (const vtkIdType number : { static_cast<vtkIdType>(query.Variable), vtkIdType{ arrays },
-         vtkIdType{ contour.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION()) },
-         vtkIdType{ contour.GetComponent() }, vtkIdType{ contour.GetLevel() },
-         contour.GetMaximumTriangles(), vtkIdType{ contour.GetOutputPointsPrecision() },
-         vtkIdType{ contour.GetIslandSize() }, contour.GetMaximumIslands() })
+  fingerprint.AddReals(std::array<double, 3>{ point[0], point[1], point[2] });
+  for (const int number : { arrays, static_cast<int>(query.Variable),
+         contour.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION()),
+         this->CoarseAllowed ? 1 : 0, blocks && blocks->Normals ? 1 : 0,
+         blocks && blocks->Attributes ? 1 : 0 })
   {
     fingerprint.AddNumber(static_cast<std::uint64_t>(number));
-  }
-  for (const bool is : { contour.GetComputeNormals() != 0, contour.GetComputeScalars() != 0,
-         contour.GetGenerateTriangles() != 0, contour.GetDropDegenerateTriangles() != 0,
-         contour.GetProgressive() != 0, contour.GetCloseBoundary() != 0,
-         contour.GetInside() == vtkStabbingContour::BELOW, contour.GetSkipNotANumber() != 0,
-         contour.GetDynamicBalance() != 0, contour.GetUseIslandPoint() != 0,
-         contour.GetComputeIslandIds() != 0, this->CoarseAllowed, blocks && blocks->Normals,
-         blocks && blocks->Attributes })
-  {
-    fingerprint.AddNumber(is ? 1 : 0);
   }
   return fingerprint.Get();
 }
@@ -473,17 +473,6 @@ bool ContourExecution::SetShown(bool shown, const ContourOutcome& made)
 {
   this->Surfaces.SetShown(shown, made.Cost.Level, made.ExtractedTriangles);
   return !shown || this->Surfaces.IsFinal();
-}
-
-bool ContourExecution::Refine()
-{
-  return this->Surfaces.Refine(this->Contour.GetMTime());
-}
-
-Refinement ContourExecution::PrepareRefinement(double seconds)
-{
-  ControllerCommunicator ranks = this->GetRanks();
-  return this->Surfaces.Prepare(ranks, seconds, this->Contour.GetMTime());
 }
 
 std::uint64_t ContourExecution::FindFreeMemory()

@@ -69,24 +69,15 @@ public:
   Status CollectBlocks(
     int piece, int pieces, const std::optional<double>& time, ContourBlocks& blocks);
 
-  /// Makes the next execution one of a finer level; false if the surface is final.
-  bool Refine();
-  /// Tells that the filter was modified by Refine alone.
-  void KeepPass(vtkMTimeType time) { this->Surfaces.KeepChange(time); }
+  /// The surfaces from coarse to fine; a change is the filter's MTime.
+  FieldRefinement& GetSurfaces() { return this->Surfaces; }
   /// Tells whether all ranks have what Extract has given. Whether it is final.
   bool SetShown(bool shown, const ContourOutcome& made);
   /// Whether surfaces after a change may be coarse though the filter is not progressive.
   void AllowCoarse(bool allowed) { this->CoarseAllowed = allowed; }
 
-  /// Extracts the next finer surface beside the calling thread, which sleeps for at most
-  /// `seconds` meanwhile. Returns the state of that surface. Collective.
-  Refinement PrepareRefinement(double seconds);
-  /// Forgets the prepared surface.
-  void DropRefinement() { this->Surfaces.DropPrepared(); }
   /// Stops reading images beside the calling thread, so that the filters upstream may execute.
   void ReleaseImages() { this->InMemory.DropUnfinished(); }
-  /// Lets surfaces of the current volume and isovalues be larger than the memory.
-  void AcceptSize() { this->Surfaces.AcceptSize(); }
 
   ControllerCommunicator GetRanks();
   int ChooseThreads(); ///< collective at the first call

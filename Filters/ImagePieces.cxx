@@ -10,6 +10,7 @@
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
+#include "vtkDataSetAttributes.h"
 #include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -23,10 +24,13 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "Ground/Base/Fingerprint.h"
+#include "Ground/Volume/ArrayVariables.h"
+#include "Ground/Volume/ChosenScalars.h"
 #include "ImageSamples.h"
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -157,6 +161,67 @@ Result<std::vector<Leaf>> FindImages(vtkDataObject* input)
   return images;
 }
 
+vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
+{
+  vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(inputInfo);
+  vtkInformation* original = inputInfo;
+  while (executive && FindPassedArrays(executive->GetAlgorithm()) != PassedArrays::None &&
+    executive->GetNumberOfInputConnections(0) > 0)
+  {
+    original = executive->GetInputInformation(0, 0);
+    executive = vtkExecutive::PRODUCER()->GetExecutive(original);
+  }
+  vtkDataObject* data = vtkDataObject::GetData(original);
+  if (original == inputInfo || !data)
+  {
+    return image->GetMTime();
+  }
+  vtkMTimeType time = data->GetMTime();
+  for (vtkDataSet* set : vtkCompositeDataSet::GetDataSets<vtkDataSet>(data))
+  {
+    time = std::max(time, set->GetMTime());
+  }
+  return std::min(time, image->GetMTime());
+}
+
+Result<vtkDataArray*> TakeContouredArray(vtkInformation* inInfo, vtkImageData* image,
+  vtkDataArray* array, int association, int component, CellAverages& averages, int threads)
+{
+  if (!array)
+  {
+    return array;
+  }
+  const std::string name = array->GetName() ? array->GetName() : "";
+  if (!FindChosenComponent(array->GetNumberOfComponents(), component))
+  {
+    return MakeComponentError(name, array->GetNumberOfComponents(), component);
+  }
+  if (association == vtkDataObject::FIELD_ASSOCIATION_CELLS)
+  {
+    return averages.Find(image, FindImageTime(inInfo, image), array, threads);
+  }
+  return association == vtkDataObject::FIELD_ASSOCIATION_POINTS
+    ? Result<vtkDataArray*>(array)
+    : Status(StatusCode::InvalidArgument,
+        "array \"" + name + "\" is neither a point array nor a cell array");
+}
+
+Status MakeMissingArrayError(vtkDataObject* input, const std::string& name)
+{
+  std::string text = "the input has no point array " +
+    (name.empty() ? "that is active" : "\"" + name + "\"") + " to contour";
+  for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
+  {
+    const std::string cells = ListArrays(data->GetCellData());
+    if (!cells.empty())
+    {
+      text += "; it has the cell arrays " + cells + ", which can be chosen as such";
+      break;
+    }
+  }
+  return { StatusCode::NotFound, text };
+}
+
 Result<MemoryPiece> MakePiece(
   const GridGeometry& grid, const ImagePieces::Source& source, vtkDataArray* array)
 {
@@ -258,47 +323,69 @@ Result<std::vector<InterpolatedArray>> AddAttributesTo(MemoryPiece& piece,
 
 } // namespace
 
-vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
+Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* inInfo,
+  const ArrayChooser& choose, const std::string& name, int component, CellAverages& averages,
+  int threads)
 {
-  vtkExecutive* executive = vtkExecutive::PRODUCER()->GetExecutive(inputInfo);
-  vtkInformation* original = inputInfo;
-  while (executive && FindPassedArrays(executive->GetAlgorithm()) != PassedArrays::None &&
-    executive->GetNumberOfInputConnections(0) > 0)
+  vtkDataObject* input = vtkDataObject::GetData(inInfo);
+  const auto find = [&](vtkImageData* image)
   {
-    original = executive->GetInputInformation(0, 0);
-    executive = vtkExecutive::PRODUCER()->GetExecutive(original);
-  }
-  vtkDataObject* data = vtkDataObject::GetData(original);
-  if (original == inputInfo || !data)
-  {
-    return image->GetMTime();
-  }
-  vtkMTimeType time = data->GetMTime();
-  for (vtkDataSet* set : vtkCompositeDataSet::GetDataSets<vtkDataSet>(data))
-  {
-    time = std::max(time, set->GetMTime());
-  }
-  return std::min(time, image->GetMTime());
-}
-
-Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
-  vtkInformation* inputInfo, const ArrayFinder& findArray, int threads)
-{
+    int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
+    vtkDataArray* array = choose(image, association);
+    return TakeContouredArray(inInfo, image, array, association, component, averages, threads);
+  };
   ImagePieces pieces;
-  ISOSURFACE_ASSIGN_OR_RETURN(auto collected,
-    CollectedGrids::Collect(
-      ranks, [&] { return DescribeImages(input, inputInfo, findArray, pieces.Sources); }, threads));
-  const auto name = [&]
+  auto collected = CollectedGrids::Collect(
+    ranks, [&] { return DescribeImages(input, inInfo, find, pieces.Sources); }, threads);
+  if (collected.GetStatus().GetCode() == StatusCode::NotFound)
   {
-    static_cast<CollectedGrids&>(pieces) = std::move(collected);
+    return MakeMissingArrayError(input, name);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(collected.GetStatus());
+  const auto nameBlocks = [&]
+  {
+    static_cast<CollectedGrids&>(pieces) = std::move(*collected);
     for (const BlockPath& path : pieces.Paths)
     {
       pieces.BlockNames.push_back(FindBlockName(input, path));
     }
     return Status::Ok();
   };
-  ISOSURFACE_RETURN_IF_ERROR(Attempt("the images of the input cannot be prepared", name));
+  ISOSURFACE_RETURN_IF_ERROR(Attempt("the images of the input cannot be prepared", nameBlocks));
   return pieces;
+}
+
+bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo)
+{
+  const int association = array->Get(vtkDataObject::FIELD_ASSOCIATION());
+  const auto hasScalars = [inInfo](int ofWhat)
+  {
+    return vtkDataObject::GetActiveFieldInformation(
+             inInfo, ofWhat, vtkDataSetAttributes::SCALARS) != nullptr;
+  };
+  return association == vtkDataObject::FIELD_ASSOCIATION_CELLS ||
+    (association == vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS &&
+      !hasScalars(vtkDataObject::FIELD_ASSOCIATION_POINTS) &&
+      hasScalars(vtkDataObject::FIELD_ASSOCIATION_CELLS));
+}
+
+std::string FindContouredUnit(
+  vtkDataObject* input, const std::function<vtkDataArray*(vtkDataSet*)>& choose)
+{
+  for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
+  {
+    vtkDataArray* array = choose(data);
+    const std::string unit = array ? GetUnitOf(array) : "";
+    if (!unit.empty())
+    {
+      return unit;
+    }
+    if (array && array->GetName() && std::strcmp(array->GetName(), "HU") == 0)
+    {
+      return "HU";
+    }
+  }
+  return "";
 }
 
 Result<std::vector<InterpolatedArray>> AddAttributes(

@@ -17,16 +17,12 @@
 
 class vtkDataArray;
 class vtkDataObject;
+class vtkDataSet;
 class vtkImageData;
 class vtkInformation;
 
 namespace isosurface
 {
-
-/// When an image, or the one that stands for a rectilinear grid, was last modified. Filters that hand
-/// samples on unchanged (FindPassedArrays) make a copy that shares them, which may be a new one each
-/// time, as behind all of ParaView's sources and filters: then that of the original counts.
-vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image);
 
 /// The images of all ranks as pieces of grids, rectilinear grids as images in structured coordinates. The
 /// extent of a grid also covers the volume that the images are blocks of (FindWholeExtent).
@@ -36,24 +32,31 @@ struct ImagePieces : CollectedGrids
   {
     vtkImageData* Image = nullptr;
     vtkSmartPointer<vtkImageData> Owner; ///< of an image that stands for a rectilinear grid
-    vtkMTimeType Time = 0;               ///< see FindImageTime
+    /// When it was last modified, or what filters that hand samples on unchanged (FindPassedArrays) have made
+    /// it of: such a copy may be a new one each time, as behind all of ParaView's sources and filters.
+    vtkMTimeType Time = 0;
   };
   std::vector<Source> Sources; ///< of this rank's images (CollectedGrids::Images)
   /// Of Paths, "" without a name; the same on all ranks that have the blocks.
   std::vector<std::string> BlockNames;
 };
 
+/// Gives the array of an image that is to be contoured, or null, and its association, as
+/// vtkAlgorithm::GetInputArrayToProcess does.
+using ArrayChooser = std::function<vtkDataArray*(vtkImageData* image, int& association)>;
+
 /**
- * Collects the array of a vtkImageData or a vtkRectilinearGrid, or of all of these in a composite,
- * over all ranks. Those without points, or within a composite without the array, are left out.
- * Collective.
+ * Collects the array to contour of a vtkImageData or a vtkRectilinearGrid, or of all of these in a composite,
+ * over all ranks: point arrays themselves, and the averages of cell arrays. Images without points, or within
+ * a composite without the array, are left out. Collective.
  *
- * `findArray` gives an image's point array to contour, or null. Errors: a dataset of another kind, an
- * array that no rank has or that cannot be contoured, lines that do not ascend. An error may be this rank's
- * alone: the caller has all ranks agree.
+ * Errors: those of AverageToPoints; InvalidArgument for a dataset of another kind, lines that do not ascend,
+ * an array without the chosen component, or of neither points nor cells; NotFound if no image has the array
+ * `name`, or any array if it is empty, which tells what cell arrays there are instead. An error may be this
+ * rank's alone.
  */
-Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input,
-  vtkInformation* inputInfo, const std::function<Result<vtkDataArray*>(vtkImageData*)>& findArray,
+Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* inInfo,
+  const ArrayChooser& choose, const std::string& name, int component, CellAverages& averages,
   int threads);
 
 /// Gives the pieces of this rank the arrays of these names to interpolate: point arrays, and averages of
@@ -62,6 +65,16 @@ Result<ImagePieces> CollectImagePieces(Communicator& ranks, vtkDataObject* input
 /// the same types in all images.
 Result<std::vector<InterpolatedArray>> AddAttributes(
   ImagePieces& pieces, const std::vector<std::string>& names, CellAverages& averages, int threads);
+
+/// Whether the array that is to be contoured is one of cells, as far as this can be told before
+/// there is data. `array` is the filter's GetInputArrayInformation().
+bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo);
+
+/// The unit of an array's values: vtkDataArray::UNITS_LABEL, else "HU" (Hounsfield) if that is the array's
+/// name; empty if it is not known.
+/// The unit of the values of the array that a filter contours, as the first dataset of its input tells it.
+std::string FindContouredUnit(
+  vtkDataObject* input, const std::function<vtkDataArray*(vtkDataSet*)>& choose);
 
 } // namespace isosurface
 

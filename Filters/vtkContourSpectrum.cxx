@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkContourSpectrum.h"
 
-#include "ContouredArray.h"
-#include "SpectrumTable.h"
+#include "ImagePieces.h"
 #include "VolumeInput.h"
 
 #include "vtkDataArray.h"
@@ -17,16 +16,21 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkSmartPointer.h"
 #include "vtkTable.h"
 
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
+#include "RangedArray.h"
 #include "Ranks/Query/FieldRefinement.h"
 #include "Ranks/Query/MemorySpectrum.h"
 #include "Storage/Spectrum/IsovalueProposal.h"
+#include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Storage/Store/BlockedVolume.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
@@ -37,13 +41,97 @@ vtkStandardNewMacro(vtkContourSpectrum);
 vtkCxxSetObjectMacro(vtkContourSpectrum, Controller, vtkMultiProcessController);
 
 using isosurface::MemorySpectrum;
+using isosurface::SpectrumBins;
 using isosurface::Status;
 using isosurface::StatusCode;
+using isosurface::WorkloadSpectrum;
 
 namespace
 {
 
 constexpr const char* NoSpectrum = "the spectrum cannot be made";
+constexpr const char* IsovalueName = "Isovalue";
+constexpr const char* Names[WorkloadSpectrum::NumberOfQuantities] = { "Triangles", "ActiveCells",
+  "ActiveBlocks", "Bytes", "Area", "Volume" };
+constexpr std::size_t Area = 4;
+constexpr std::size_t Volume = 5;
+
+/// The sum of a quantity over spectra, areas and volumes in the units of the world; nothing if one of them does
+/// not know it.
+void AddQuantity(const std::vector<const WorkloadSpectrum*>& spectra, std::size_t quantity,
+  const std::string& suffix, vtkTable* table)
+{
+  static_assert(Volume + 1 == WorkloadSpectrum::NumberOfQuantities, "Area and Volume are the last");
+  std::vector<double> sums(spectra.front()->Bins.Count);
+  for (const WorkloadSpectrum* spectrum : spectra)
+  {
+    const WorkloadSpectrum::Counts& counts = *spectrum->GetQuantities()[quantity];
+    if (counts.size() != sums.size())
+    {
+      return;
+    }
+    const double unit = quantity == Area ? spectrum->AreaUnit
+      : quantity == Volume               ? spectrum->VolumeUnit
+                                         : 1;
+    std::transform(counts.begin(), counts.end(), sums.begin(), sums.begin(),
+      [unit](std::uint64_t count, double sum) { return sum + static_cast<double>(count) * unit; });
+  }
+  const auto column = vtkSmartPointer<vtkDataArray>::Take(
+    vtkDataArray::CreateDataArray(quantity < Area ? VTK_ID_TYPE : VTK_DOUBLE));
+  column->SetName((Names[quantity] + suffix).c_str());
+  isosurface::AllocateTuples(column, static_cast<vtkIdType>(sums.size()));
+  for (std::size_t bin = 0; bin < sums.size(); ++bin)
+  {
+    column->SetComponent(static_cast<vtkIdType>(bin), 0, sums[bin]);
+  }
+  table->AddColumn(column);
+}
+
+/// Adds the column of isovalues and one column for each known quantity: the sum of the spectra,
+/// which have equal bins (their units may differ).
+void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* table)
+{
+  if (spectra.empty())
+  {
+    return;
+  }
+  const SpectrumBins& bins = spectra.front().Bins;
+  vtkNew<vtkDoubleArray> isovalues;
+  isovalues->SetName(IsovalueName);
+  isosurface::AllocateTuples(isovalues, bins.Count);
+  for (std::uint32_t bin = 0; bin < bins.Count; ++bin)
+  {
+    isovalues->SetValue(bin, bins.GetEdge(bin));
+  }
+  table->AddColumn(isovalues);
+  std::vector<const WorkloadSpectrum*> all;
+  for (const WorkloadSpectrum& spectrum : spectra)
+  {
+    all.push_back(&spectrum);
+  }
+  for (std::size_t quantity = 0; quantity < WorkloadSpectrum::NumberOfQuantities; ++quantity)
+  {
+    AddQuantity(all, quantity, "", table);
+  }
+}
+
+/// Fills an array with the table's rows as tuples: the isovalue, then each quantity, NaN where the
+/// table has no column of it. Columns of stores are left out.
+void FillSpectrumTuples(vtkTable* table, vtkDoubleArray* tuples)
+{
+  constexpr int columns = 1 + static_cast<int>(WorkloadSpectrum::NumberOfQuantities);
+  tuples->SetNumberOfComponents(columns);
+  tuples->SetNumberOfTuples(table->GetNumberOfRows());
+  tuples->Fill(std::numeric_limits<double>::quiet_NaN());
+  for (int column = 0; column < columns; ++column)
+  {
+    const char* name = column == 0 ? IsovalueName : Names[column - 1];
+    if (auto* values = vtkDataArray::SafeDownCast(table->GetColumnByName(name)))
+    {
+      tuples->CopyComponent(column, values, 0);
+    }
+  }
+}
 
 } // namespace
 
@@ -70,7 +158,6 @@ struct vtkContourSpectrum::OfImages
   isosurface::FieldRefinement Levels{ [] { return std::uint64_t{ 0 }; } };
 };
 
-//------------------------------------------------------------------------------
 vtkContourSpectrum::vtkContourSpectrum()
   : Refinement(isosurface::Refinement().ToValues())
   , Proposal(std::numeric_limits<double>::quiet_NaN())
@@ -81,13 +168,11 @@ vtkContourSpectrum::vtkContourSpectrum()
     0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS, vtkDataSetAttributes::SCALARS);
 }
 
-//------------------------------------------------------------------------------
 vtkContourSpectrum::~vtkContourSpectrum()
 {
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 int vtkContourSpectrum::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
@@ -95,14 +180,12 @@ int vtkContourSpectrum::FillInputPortInformation(int, vtkInformation* info)
   return 1;
 }
 
-//------------------------------------------------------------------------------
 vtkDoubleArray* vtkContourSpectrum::GetSpectrum()
 {
-  isosurface::FillSpectrumTuples(this->GetOutput(), this->Spectrum);
+  FillSpectrumTuples(this->GetOutput(), this->Spectrum);
   return this->Spectrum;
 }
 
-//------------------------------------------------------------------------------
 int vtkContourSpectrum::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -113,7 +196,6 @@ int vtkContourSpectrum::RequestUpdateExtent(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 void vtkContourSpectrum::SetInputArrayToProcess(
   int index, int port, int connection, int association, const char* name)
 {
@@ -123,7 +205,6 @@ void vtkContourSpectrum::SetInputArrayToProcess(
   }
 }
 
-//------------------------------------------------------------------------------
 int vtkContourSpectrum::RequestData(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -163,7 +244,6 @@ int vtkContourSpectrum::RequestData(
   return isosurface::EndExecution(this, output, status);
 }
 
-//------------------------------------------------------------------------------
 std::vector<isosurface::CommonValue> vtkContourSpectrum::Steps::MakeCommonValues(
   const isosurface::VolumeInput& input) const
 {
@@ -179,14 +259,12 @@ std::vector<isosurface::CommonValue> vtkContourSpectrum::Steps::MakeCommonValues
   return values;
 }
 
-//------------------------------------------------------------------------------
 std::string vtkContourSpectrum::Steps::GetArrayName() const
 {
   vtkInformation* array = this->Filter.GetInputArrayInformation(0);
   return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
 }
 
-//------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& input) const
 {
   this->Filter.Images->Levels.DropPrepared();
@@ -201,20 +279,19 @@ Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& 
   ISOSURFACE_ASSIGN_OR_RETURN(const auto total, volume.GetSpectrum(step, variable));
   this->Filter.Proposal =
     isosurface::ProposeIsovalue(*total).value_or(std::numeric_limits<double>::quiet_NaN());
-  isosurface::AddSpectrumColumns({ *total }, this->Table);
+  AddSpectrumColumns({ *total }, this->Table);
   const int quantity = this->Filter.StoreQuantity;
   const std::uint32_t stores = quantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(
       const auto spectrum, volume.GetStoreSpectrum(step, variable, store));
-    isosurface::AddQuantityColumn(*spectrum, static_cast<std::size_t>(quantity),
+    AddQuantity({ spectrum.get() }, static_cast<std::size_t>(quantity),
       "[" + std::to_string(store) + "]", this->Table);
   }
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
 {
   const int threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
@@ -259,20 +336,18 @@ Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
     status = isosurface::Attempt(NoSpectrum,
       [&]
       {
-        isosurface::AddSpectrumColumns(spectra.GetSpectra(), this->Table);
+        AddSpectrumColumns(spectra.GetSpectra(), this->Table);
         return Status::Ok();
       });
   }
   return status;
 }
 
-//------------------------------------------------------------------------------
 void vtkContourSpectrum::CountBeside(int samplesAtOnce)
 {
   this->SamplesAtOnce = samplesAtOnce;
 }
 
-//------------------------------------------------------------------------------
 void vtkContourSpectrum::AdvanceCounting(int milliseconds)
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
@@ -280,7 +355,6 @@ void vtkContourSpectrum::AdvanceCounting(int milliseconds)
     this->Images->Levels.Prepare(ranks, milliseconds / 1000.0, this->GetMTime()).ToValues();
 }
 
-//------------------------------------------------------------------------------
 void vtkContourSpectrum::TakeCounting()
 {
   if (this->Images->Levels.Refine(this->GetMTime()))
@@ -290,7 +364,6 @@ void vtkContourSpectrum::TakeCounting()
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkContourSpectrum::ProposeAlone(vtkTypeBool alone)
 {
   if (this->ProposesAlone != (alone != 0))
@@ -300,7 +373,6 @@ void vtkContourSpectrum::ProposeAlone(vtkTypeBool alone)
   }
 }
 
-//------------------------------------------------------------------------------
 const char* vtkContourSpectrum::GetUnit()
 {
   this->Unit = isosurface::FindContouredUnit(
@@ -309,7 +381,6 @@ const char* vtkContourSpectrum::GetUnit()
   return this->Unit.c_str();
 }
 
-//------------------------------------------------------------------------------
 void vtkContourSpectrum::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

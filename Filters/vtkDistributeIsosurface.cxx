@@ -144,31 +144,26 @@ struct vtkDistributeIsosurface::Steps
   SurfaceExchange::Settings MakeSettings() const;
 };
 
-//------------------------------------------------------------------------------
 vtkDistributeIsosurface::vtkDistributeIsosurface()
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-//------------------------------------------------------------------------------
 vtkDistributeIsosurface::~vtkDistributeIsosurface()
 {
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 vtkExecutive* vtkDistributeIsosurface::CreateDefaultExecutive()
 {
   return vtkBlockConsumerPipeline::New();
 }
 
-//------------------------------------------------------------------------------
 bool vtkDistributeIsosurface::TakesBlocks() const
 {
   return this->Controller && this->Controller->GetNumberOfProcesses() > 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkDistributeIsosurface::RequestData(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -199,7 +194,6 @@ int vtkDistributeIsosurface::RequestData(
   return isosurface::EndExecution(this, output, status);
 }
 
-//------------------------------------------------------------------------------
 Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
   const ContourBlocks& blocks, int threads) const
 {
@@ -216,7 +210,6 @@ Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
   return isosurface::MakeSurfaceHeader(this->Ranks, blocks, coding, request, threads, {});
 }
 
-//------------------------------------------------------------------------------
 SurfaceExchange::Settings vtkDistributeIsosurface::Steps::MakeSettings() const
 {
   SurfaceExchange::Settings settings;
@@ -226,7 +219,6 @@ SurfaceExchange::Settings vtkDistributeIsosurface::Steps::MakeSettings() const
   return settings;
 }
 
-//------------------------------------------------------------------------------
 Status vtkDistributeIsosurface::Steps::Distribute(
   vtkInformation* outInfo, vtkPolyData* output) const
 {
@@ -234,7 +226,6 @@ Status vtkDistributeIsosurface::Steps::Distribute(
     [&](ContourBlocks& blocks) { return this->DistributeOnce(outInfo, output, blocks); });
 }
 
-//------------------------------------------------------------------------------
 Status vtkDistributeIsosurface::Steps::DistributeOnce(
   vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const
 {
@@ -283,7 +274,6 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   return isosurface::AttemptOnAll(ranks, NotDistributed, fill);
 }
 
-//------------------------------------------------------------------------------
 void vtkDistributeIsosurface::SetProfile(int profile)
 {
   const int nearest = isosurface::ChooseProfile(this, profile);
@@ -294,7 +284,6 @@ void vtkDistributeIsosurface::SetProfile(int profile)
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkDistributeIsosurface::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -4,8 +4,8 @@
 
 #include "ArrayRanges.h"
 #include "ContourExecution.h"
-#include "ContouredArray.h"
 #include "ErrorReport.h"
+#include "ImagePieces.h"
 #include "PassingFilters.h"
 #include "SurfaceFieldData.h"
 #include "SurfacePolyData.h"
@@ -75,7 +75,6 @@ void FillOutput(vtkStabbingContour& contour, int rank, int threads,
 
 } // namespace
 
-//------------------------------------------------------------------------------
 vtkStabbingContour::vtkStabbingContour()
   : Refinement(isosurface::Refinement().ToValues())
   , Work(new ContourExecution(*this))
@@ -85,14 +84,12 @@ vtkStabbingContour::vtkStabbingContour()
     0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS_THEN_CELLS, vtkDataSetAttributes::SCALARS);
 }
 
-//------------------------------------------------------------------------------
 vtkStabbingContour::~vtkStabbingContour()
 {
   this->SetController(nullptr);
   this->SetFrustum(nullptr);
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::AddInterpolatedArray(const char* name)
 {
   if (name && *name &&
@@ -104,7 +101,6 @@ void vtkStabbingContour::AddInterpolatedArray(const char* name)
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::RemoveAllInterpolatedArrays()
 {
   if (!this->InterpolatedArrays.empty())
@@ -114,13 +110,11 @@ void vtkStabbingContour::RemoveAllInterpolatedArrays()
   }
 }
 
-//------------------------------------------------------------------------------
 int vtkStabbingContour::GetNumberOfInterpolatedArrays()
 {
   return static_cast<int>(this->InterpolatedArrays.size());
 }
 
-//------------------------------------------------------------------------------
 const char* vtkStabbingContour::GetInterpolatedArray(int index)
 {
   return index >= 0 && index < this->GetNumberOfInterpolatedArrays()
@@ -128,7 +122,6 @@ const char* vtkStabbingContour::GetInterpolatedArray(int index)
     : nullptr;
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::SetSkipNaN(vtkTypeBool skip)
 {
   if (this->SkipNaN != skip)
@@ -138,14 +131,12 @@ void vtkStabbingContour::SetSkipNaN(vtkTypeBool skip)
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::SetRegionBounds(const double bounds[6])
 {
   this->SetRegionPosition(bounds[0], bounds[2], bounds[4]);
   this->SetRegionLength(bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4]);
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::SetFrustumPlanes(const double planes[24])
 {
   if (std::all_of(planes, planes + 24, [](double coefficient) { return coefficient == 0; }))
@@ -160,24 +151,21 @@ void vtkStabbingContour::SetFrustumPlanes(const double planes[24])
   this->SetFrustum(frustum);
 }
 
-//------------------------------------------------------------------------------
 vtkMTimeType vtkStabbingContour::GetMTime()
 {
   const vtkMTimeType time = std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
   return this->Frustum ? std::max(time, this->Frustum->GetMTime()) : time;
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::Refine()
 {
-  if (this->Work->Refine())
+  if (this->Work->GetSurfaces().Refine(this->GetMTime()))
   {
     this->Modified();
-    this->Work->KeepPass(this->GetMTime());
+    this->Work->GetSurfaces().KeepChange(this->GetMTime());
   }
 }
 
-//------------------------------------------------------------------------------
 int* vtkStabbingContour::GetLevelRange()
 {
   vtkAlgorithmOutput* input =
@@ -189,45 +177,41 @@ int* vtkStabbingContour::GetLevelRange()
   return this->LevelRange;
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::AllowCoarse(vtkTypeBool allowed)
 {
   this->Work->AllowCoarse(allowed != 0);
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::PrepareRefinement(int milliseconds)
 {
-  this->Refinement = this->Work->PrepareRefinement(std::max(0, milliseconds) / 1000.0).ToValues();
+  isosurface::ControllerCommunicator ranks(this->Controller);
+  this->Refinement = this->Work->GetSurfaces()
+                       .Prepare(ranks, std::max(0, milliseconds) / 1000.0, this->GetMTime())
+                       .ToValues();
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::DropRefinement()
 {
-  this->Work->DropRefinement();
+  this->Work->GetSurfaces().DropPrepared();
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::AcceptSize()
 {
-  this->Work->AcceptSize();
+  this->Work->GetSurfaces().AcceptSize();
 }
 
-//------------------------------------------------------------------------------
 bool vtkStabbingContour::FindsIslands()
 {
   return this->MinimumIslandSize > 0 || this->MaximumIslands > 0 || this->UseIslandPoint ||
     this->ComputeIslandIds;
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::SetRefinementMemory(double mebibytes)
 {
   // The surface does not depend on it, so it does not modify the filter.
   this->RefinementMemory = mebibytes;
 }
 
-//------------------------------------------------------------------------------
 int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
@@ -235,7 +219,6 @@ int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkStabbingContour::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -249,7 +232,6 @@ int vtkStabbingContour::RequestUpdateExtent(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
 {
   // Gradients at the border of a piece need one sample beyond it, and samples that are averages of
@@ -259,7 +241,6 @@ void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
   isosurface::AskVolume(*this, inInfo, piece, pieces, pieces > 1 ? levels : 0);
 }
 
-//------------------------------------------------------------------------------
 bool vtkStabbingContour::TakesCells(vtkInformation* inInfo)
 {
   return isosurface::IsCellArrayChosen(this->GetInputArrayInformation(0), inInfo) ||
@@ -271,7 +252,6 @@ bool vtkStabbingContour::TakesCells(vtkInformation* inInfo)
       });
 }
 
-//------------------------------------------------------------------------------
 const char* vtkStabbingContour::GetUnit()
 {
   this->Unit = isosurface::FindContouredUnit(
@@ -280,7 +260,6 @@ const char* vtkStabbingContour::GetUnit()
   return this->Unit.c_str();
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::SetInputArrayToProcess(
   int index, int port, int connection, int association, const char* name)
 {
@@ -290,7 +269,6 @@ void vtkStabbingContour::SetInputArrayToProcess(
   }
 }
 
-//------------------------------------------------------------------------------
 int vtkStabbingContour::RequestData(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -352,7 +330,6 @@ int vtkStabbingContour::RequestData(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 vtkStabbingContour* vtkStabbingContour::FindBehind(vtkAlgorithmOutput* connection)
 {
   vtkAlgorithm* producer = connection ? connection->GetProducer() : nullptr;
@@ -364,21 +341,13 @@ vtkStabbingContour* vtkStabbingContour::FindBehind(vtkAlgorithmOutput* connectio
   return vtkStabbingContour::SafeDownCast(producer);
 }
 
-//------------------------------------------------------------------------------
 void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ContourValues:\n";
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
-  os << indent << "Component: " << this->Component << "\n";
-  os << indent << "ComputeNormals: " << this->ComputeNormals << "\n";
-  os << indent << "OutputPointsPrecision: " << this->OutputPointsPrecision << "\n";
-  os << indent << "ComputeScalars: " << this->ComputeScalars << "\n";
-  os << indent << "GenerateTriangles: " << this->GenerateTriangles << "\n";
-  os << indent << "Level: " << this->Level << "\n";
-  os << indent << "TimeBudget: " << this->TimeBudget << "\n";
-  os << indent << "MaximumTriangles: " << this->MaximumTriangles << "\n";
-  os << indent << "Progressive: " << this->Progressive << "\n";
+  this->VisitProperties(
+    [&](const char* name, auto value) { os << indent << name << ": " << value << "\n"; });
   os << indent << "Final: " << this->Final << "\n";
   os << indent << "Refinement:";
   for (const double number : this->Refinement)
@@ -393,24 +362,14 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
     os << " \"" << name << "\"";
   }
   os << "\n";
-  os << indent << "DropDegenerateTriangles: " << this->DropDegenerateTriangles << "\n";
-  os << indent << "CloseBoundary: " << this->CloseBoundary << "\n";
-  os << indent << "Inside: " << this->Inside << "\n";
-  os << indent << "SkipNotANumber: " << this->SkipNotANumber << "\n";
-  os << indent << "DynamicBalance: " << this->DynamicBalance << "\n";
   os << indent << "UseRegion: " << this->UseRegion << "\n";
   os << indent << "RegionPosition: " << this->RegionPosition[0] << " " << this->RegionPosition[1]
      << " " << this->RegionPosition[2] << "\n";
   os << indent << "RegionLength: " << this->RegionLength[0] << " " << this->RegionLength[1] << " "
      << this->RegionLength[2] << "\n";
   os << indent << "Frustum: " << this->Frustum << "\n";
-  os << indent << "IslandSize: " << this->IslandSize << "\n";
-  os << indent << "MinimumIslandSize: " << this->MinimumIslandSize << "\n";
-  os << indent << "MaximumIslands: " << this->MaximumIslands << "\n";
-  os << indent << "UseIslandPoint: " << this->UseIslandPoint << "\n";
   os << indent << "IslandPoint: " << this->IslandPoint[0] << " " << this->IslandPoint[1] << " "
      << this->IslandPoint[2] << "\n";
-  os << indent << "ComputeIslandIds: " << this->ComputeIslandIds << "\n";
   os << indent << "IslandSummary: " << this->IslandSummary << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";

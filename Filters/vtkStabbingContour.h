@@ -419,6 +419,30 @@ private:
 
   friend class isosurface::ContourExecution;
 
+  /// Calls visit(name, value) for the numbers on which all ranks agree.
+  template <typename Visit>
+  void VisitProperties(const Visit& visit) const
+  {
+    visit("Component", this->Component);
+    visit("ComputeNormals", this->ComputeNormals);
+    visit("OutputPointsPrecision", this->OutputPointsPrecision);
+    visit("ComputeScalars", this->ComputeScalars);
+    visit("GenerateTriangles", this->GenerateTriangles);
+    visit("Level", this->Level);
+    visit("TimeBudget", this->TimeBudget);
+    visit("MaximumTriangles", this->MaximumTriangles);
+    visit("Progressive", this->Progressive);
+    visit("DropDegenerateTriangles", this->DropDegenerateTriangles);
+    visit("CloseBoundary", this->CloseBoundary);
+    visit("Inside", this->Inside);
+    visit("SkipNotANumber", this->SkipNotANumber);
+    visit("DynamicBalance", this->DynamicBalance);
+    visit("IslandSize", this->IslandSize);
+    visit("MinimumIslandSize", this->MinimumIslandSize);
+    visit("MaximumIslands", this->MaximumIslands);
+    visit("UseIslandPoint", this->UseIslandPoint);
+    visit("ComputeIslandIds", this->ComputeIslandIds);
+  }
   /// Asks the input for what a piece of the output needs (AskVolume).
   void AskInput(vtkInformation* inInfo, int piece, int pieces);
   /// Whether an array to contour or to interpolate is one of cells, as far as the input tells.

@@ -149,7 +149,6 @@ struct vtkVolumeImageAlgorithm::Work
   isosurface::FieldRefinement Levels{ [] { return std::uint64_t{ 0 }; } };
 };
 
-//------------------------------------------------------------------------------
 vtkVolumeImageAlgorithm::vtkVolumeImageAlgorithm()
   : Refinement(isosurface::Refinement().ToValues())
   , Internals(std::make_unique<Work>(*this))
@@ -157,26 +156,22 @@ vtkVolumeImageAlgorithm::vtkVolumeImageAlgorithm()
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-//------------------------------------------------------------------------------
 vtkVolumeImageAlgorithm::~vtkVolumeImageAlgorithm()
 {
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 const char* vtkVolumeImageAlgorithm::GetShownText()
 {
   return this->Internals->Text.c_str();
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeImageAlgorithm::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataObject");
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeImageAlgorithm::RequestDataObject(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
@@ -188,7 +183,6 @@ int vtkVolumeImageAlgorithm::RequestDataObject(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeImageAlgorithm::RequestInformation(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* output)
 {
@@ -243,7 +237,6 @@ int vtkVolumeImageAlgorithm::RequestInformation(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeImageAlgorithm::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -253,7 +246,6 @@ int vtkVolumeImageAlgorithm::RequestUpdateExtent(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeImageAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -262,7 +254,6 @@ int vtkVolumeImageAlgorithm::RequestData(
   return result;
 }
 
-//------------------------------------------------------------------------------
 bool vtkVolumeImageAlgorithm::MakeImage(
   vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output, int& result)
 {
@@ -303,7 +294,6 @@ bool vtkVolumeImageAlgorithm::MakeImage(
   return status.IsOk();
 }
 
-//------------------------------------------------------------------------------
 std::uint64_t vtkVolumeImageAlgorithm::Work::SumSource(const VolumeInput& input) const
 {
   isosurface::Fingerprint source;
@@ -320,7 +310,6 @@ std::uint64_t vtkVolumeImageAlgorithm::Work::SumSource(const VolumeInput& input)
   return source.Get();
 }
 
-//------------------------------------------------------------------------------
 std::string vtkVolumeImageAlgorithm::Work::Describe(
   const ImagePlan& plan, const VolumeInput& input) const
 {
@@ -331,7 +320,6 @@ std::string vtkVolumeImageAlgorithm::Work::Describe(
                         : "level " + std::to_string(plan.Level));
 }
 
-//------------------------------------------------------------------------------
 Status vtkVolumeImageAlgorithm::Work::Ask(
   const VolumeInput& input, vtkInformation* request, vtkInformationVector* output, int threads)
 {
@@ -363,7 +351,6 @@ Status vtkVolumeImageAlgorithm::Work::Ask(
   return isosurface::Attempt("the samples cannot be read", ask);
 }
 
-//------------------------------------------------------------------------------
 Status vtkVolumeImageAlgorithm::Work::FillOutput(
   const VolumeInput& input, int level, vtkInformation* inInfo, vtkInformation* outInfo)
 {
@@ -386,7 +373,6 @@ Status vtkVolumeImageAlgorithm::Work::FillOutput(
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeImageAlgorithm::AllowCoarse(vtkTypeBool allowed)
 {
   Work& work = *this->Internals;
@@ -398,13 +384,11 @@ void vtkVolumeImageAlgorithm::AllowCoarse(vtkTypeBool allowed)
   work.CoarseAllowed = allowed != 0;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeImageAlgorithm::GetFinal()
 {
   return this->Internals->Final ? 1 : 0;
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeImageAlgorithm::Refine()
 {
   if (this->Internals->Levels.Refine(this->Internals->Source))
@@ -413,7 +397,6 @@ void vtkVolumeImageAlgorithm::Refine()
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeImageAlgorithm::PrepareRefinement(int milliseconds)
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
@@ -422,13 +405,11 @@ void vtkVolumeImageAlgorithm::PrepareRefinement(int milliseconds)
                        .ToValues();
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeImageAlgorithm::DropRefinement()
 {
   this->Internals->Levels.DropPrepared();
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeImageAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -144,38 +144,32 @@ struct vtkVolumeProbe::Steps
     const isosurface::Progress& progress);
 };
 
-//------------------------------------------------------------------------------
 vtkVolumeProbe::vtkVolumeProbe()
 {
   this->SetNumberOfInputPorts(2);
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-//------------------------------------------------------------------------------
 vtkVolumeProbe::~vtkVolumeProbe()
 {
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 vtkExecutive* vtkVolumeProbe::CreateDefaultExecutive()
 {
   return vtkBlockConsumerPipeline::New();
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeProbe::SetSourceConnection(vtkAlgorithmOutput* points)
 {
   this->SetInputConnection(1, points);
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeProbe::SetSourceData(vtkDataObject* points)
 {
   this->SetInputData(1, points);
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeProbe::FillInputPortInformation(int port, vtkInformation* info)
 {
   if (port == 0)
@@ -188,7 +182,6 @@ int vtkVolumeProbe::FillInputPortInformation(int port, vtkInformation* info)
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeProbe::RequestDataObject(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -203,7 +196,6 @@ int vtkVolumeProbe::RequestDataObject(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeProbe::RequestInformation(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -218,7 +210,6 @@ int vtkVolumeProbe::RequestInformation(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeProbe::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -233,7 +224,6 @@ int vtkVolumeProbe::RequestUpdateExtent(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeProbe::RequestData(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -272,7 +262,6 @@ int vtkVolumeProbe::RequestData(
   return isosurface::EndExecution(this, output, status);
 }
 
-//------------------------------------------------------------------------------
 Status vtkVolumeProbe::Steps::Probe(const std::vector<vtkDataSet*>& datasets)
 {
   ISOSURFACE_ASSIGN_OR_RETURN(const auto samples,
@@ -287,7 +276,6 @@ Status vtkVolumeProbe::Steps::Probe(const std::vector<vtkDataSet*>& datasets)
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
   const isosurface::Progress& progress)
 {
@@ -334,7 +322,6 @@ Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, 
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeProbe::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -65,11 +65,9 @@ isosurface::VertexBox FindVertices(
 
 } // namespace
 
-//------------------------------------------------------------------------------
 vtkVolumeRegion::vtkVolumeRegion() = default;
 vtkVolumeRegion::~vtkVolumeRegion() = default;
 
-//------------------------------------------------------------------------------
 std::uint64_t vtkVolumeRegion::SumProperties()
 {
   isosurface::Fingerprint properties;
@@ -82,7 +80,6 @@ std::uint64_t vtkVolumeRegion::SumProperties()
   return properties.Get();
 }
 
-//------------------------------------------------------------------------------
 Status vtkVolumeRegion::Plan(const isosurface::BlockedVolume& volume,
   const std::vector<std::size_t>& arrays, bool, ImagePlan& plan)
 {
@@ -105,7 +102,6 @@ Status vtkVolumeRegion::Plan(const isosurface::BlockedVolume& volume,
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 std::string vtkVolumeRegion::Describe(const ImagePlan& plan,
   const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays,
   const std::string& level)
@@ -121,7 +117,6 @@ std::string vtkVolumeRegion::Describe(const ImagePlan& plan,
           DescribeMemory(bytes * static_cast<double>(finest.GetNumberOfVertices())));
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeRegion::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

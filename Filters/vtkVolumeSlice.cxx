@@ -113,29 +113,24 @@ void PlaceInWorld(vtkImageData* image, vtkPolyData* lines)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 vtkVolumeSlice::vtkVolumeSlice()
 {
   this->SetNumberOfOutputPorts(2);
 }
 
-//------------------------------------------------------------------------------
 vtkVolumeSlice::~vtkVolumeSlice() = default;
 
-//------------------------------------------------------------------------------
 int vtkVolumeSlice::FillOutputPortInformation(int port, vtkInformation* info)
 {
   info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkImageData" : "vtkPolyData");
   return 1;
 }
 
-//------------------------------------------------------------------------------
 vtkPolyData* vtkVolumeSlice::GetIsolines()
 {
   return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeSlice::SetIsolineArray(const char* name)
 {
   const std::string changed = name ? name : "";
@@ -146,13 +141,11 @@ void vtkVolumeSlice::SetIsolineArray(const char* name)
   }
 }
 
-//------------------------------------------------------------------------------
 vtkMTimeType vtkVolumeSlice::GetMTime()
 {
   return std::max(this->Superclass::GetMTime(), this->Isovalues->GetMTime());
 }
 
-//------------------------------------------------------------------------------
 int vtkVolumeSlice::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -180,7 +173,6 @@ int vtkVolumeSlice::RequestData(
   return isosurface::EndExecution(this, output, status);
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeSlice::MakeIsolines(vtkImageData* image, vtkPolyData* isolines)
 {
   const int* size = image->GetDimensions();
@@ -225,7 +217,6 @@ void vtkVolumeSlice::MakeIsolines(vtkImageData* image, vtkPolyData* isolines)
   RemoveLinesWithoutSamples(image, isolines);
 }
 
-//------------------------------------------------------------------------------
 std::uint64_t vtkVolumeSlice::SumProperties()
 {
   isosurface::Fingerprint properties;
@@ -244,7 +235,6 @@ std::uint64_t vtkVolumeSlice::SumProperties()
   return properties.Get();
 }
 
-//------------------------------------------------------------------------------
 Status vtkVolumeSlice::Plan(const isosurface::BlockedVolume& volume,
   const std::vector<std::size_t>&, bool isCoarse, ImagePlan& plan)
 {
@@ -272,7 +262,6 @@ Status vtkVolumeSlice::Plan(const isosurface::BlockedVolume& volume,
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 std::string vtkVolumeSlice::Describe(const ImagePlan& plan, const isosurface::BlockedVolume&,
   const std::vector<std::size_t>&, const std::string& level)
 {
@@ -280,7 +269,6 @@ std::string vtkVolumeSlice::Describe(const ImagePlan& plan, const isosurface::Bl
   return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " + level;
 }
 
-//------------------------------------------------------------------------------
 void vtkVolumeSlice::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
