@@ -10,16 +10,13 @@
 
 vtkStandardNewMacro(vtkBlockedVolumeHandle);
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeHandle::vtkBlockedVolumeHandle()
   : Error(isosurface::StatusCode::NotFound, "No blocked volume has been opened.")
 {
 }
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeHandle::~vtkBlockedVolumeHandle() = default;
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeHandle::SetVolume(std::shared_ptr<isosurface::BlockedVolume> volume)
 {
   this->Untried = false;
@@ -31,7 +28,6 @@ void vtkBlockedVolumeHandle::SetVolume(std::shared_ptr<isosurface::BlockedVolume
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeHandle::SetError(const isosurface::Status& error)
 {
   this->Untried = false;
@@ -40,7 +36,6 @@ void vtkBlockedVolumeHandle::SetError(const isosurface::Status& error)
   this->Modified();
 }
 
-//------------------------------------------------------------------------------
 isosurface::CommonValue vtkBlockedVolumeHandle::MakeCommonValue() const
 {
   return this->Volume
@@ -48,7 +43,6 @@ isosurface::CommonValue vtkBlockedVolumeHandle::MakeCommonValue() const
     : isosurface::CommonValue{ 0, "" };
 }
 
-//------------------------------------------------------------------------------
 std::size_t vtkBlockedVolumeHandle::FindTimeStep(vtkInformation* pipelineInfo) const
 {
   std::size_t found = 0;
@@ -67,14 +61,12 @@ std::size_t vtkBlockedVolumeHandle::FindTimeStep(vtkInformation* pipelineInfo) c
   return found;
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeHandle::FinishOutput(bool isBox)
 {
   this->IsAsked = false;
   this->IsBox = isBox;
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeHandle::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

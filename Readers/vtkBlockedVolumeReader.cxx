@@ -144,7 +144,6 @@ struct vtkBlockedVolumeReader::PreparedOutput
   std::unique_ptr<isosurface::BackgroundTask> Work; ///< the last member: it uses the others
 };
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeReader::vtkBlockedVolumeReader()
   : PointDataArraySelection(vtkSmartPointer<vtkDataArraySelection>::New())
   , Handle(vtkSmartPointer<vtkBlockedVolumeHandle>::New())
@@ -154,7 +153,6 @@ vtkBlockedVolumeReader::vtkBlockedVolumeReader()
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeReader::~vtkBlockedVolumeReader()
 {
   this->SetFileName(nullptr);
@@ -162,7 +160,6 @@ vtkBlockedVolumeReader::~vtkBlockedVolumeReader()
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::CanReadFile(const char* fileName)
 {
   const auto file = isosurface::GetLocalFileSystem().OpenForReading(fileName ? fileName : "");
@@ -181,7 +178,6 @@ int vtkBlockedVolumeReader::CanReadFile(const char* fileName)
         head.find("\"blockSize\"") != std::string::npos));
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::SetLocalStores(bool local)
 {
   if (this->LocalStores != local)
@@ -195,7 +191,6 @@ void vtkBlockedVolumeReader::SetLocalStores(bool local)
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::SetCacheSize(int mebibytes)
 {
   const std::uint64_t bytes = static_cast<std::uint64_t>(std::max(0, mebibytes)) * Mebibyte;
@@ -203,27 +198,23 @@ void vtkBlockedVolumeReader::SetCacheSize(int mebibytes)
   isosurface::BlockCache::GetProcessCache()->SetBudget(bytes);
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::GetCacheSize()
 {
   return static_cast<int>(isosurface::BlockCache::GetProcessCache()->GetBudget() / Mebibyte);
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::SetSpacing(double x, double y, double z)
 {
   this->Spacing = { x, y, z };
   this->Modified();
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::AddSpacing(double distance)
 {
   this->Spacing.push_back(distance);
   this->Modified();
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::RemoveSpacing()
 {
   if (!std::exchange(this->Spacing, {}).empty())
@@ -232,21 +223,18 @@ void vtkBlockedVolumeReader::RemoveSpacing()
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::SetOrigin(double x, double y, double z)
 {
   this->Origin = { x, y, z };
   this->Modified();
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::AddOrigin(double coordinate)
 {
   this->Origin.push_back(coordinate);
   this->Modified();
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::RemoveOrigin()
 {
   if (!std::exchange(this->Origin, {}).empty())
@@ -255,7 +243,6 @@ void vtkBlockedVolumeReader::RemoveOrigin()
   }
 }
 
-//------------------------------------------------------------------------------
 Status vtkBlockedVolumeReader::MakePlace(
   const std::string& path, isosurface::GridPlace& place) const
 {
@@ -274,7 +261,6 @@ Status vtkBlockedVolumeReader::MakePlace(
   return place.Check(path);
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::TellGrid(const isosurface::GridGeometry& grid)
 {
   std::transform(grid.Spacing.begin(), grid.Spacing.end(), this->FoundSpacing,
@@ -285,43 +271,36 @@ void vtkBlockedVolumeReader::TellGrid(const isosurface::GridGeometry& grid)
     : isosurface::GetLengthUnitName(grid.Unit);
 }
 
-//------------------------------------------------------------------------------
 vtkDataArraySelection* vtkBlockedVolumeReader::GetPointDataArraySelection()
 {
   return this->PointDataArraySelection;
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::GetNumberOfPointArrays()
 {
   return this->PointDataArraySelection->GetNumberOfArrays();
 }
 
-//------------------------------------------------------------------------------
 const char* vtkBlockedVolumeReader::GetPointArrayName(int index)
 {
   return this->PointDataArraySelection->GetArrayName(index);
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::GetPointArrayStatus(const char* name)
 {
   return this->PointDataArraySelection->ArrayIsEnabled(name);
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::SetPointArrayStatus(const char* name, int status)
 {
   this->PointDataArraySelection->SetArraySetting(name, status);
 }
 
-//------------------------------------------------------------------------------
 vtkMTimeType vtkBlockedVolumeReader::GetMTime()
 {
   return std::max(this->Superclass::GetMTime(), this->PointDataArraySelection->GetMTime());
 }
 
-//------------------------------------------------------------------------------
 bool vtkBlockedVolumeReader::OpenVolume()
 {
   if (this->OpenTime == this->Superclass::GetMTime())
@@ -366,14 +345,12 @@ bool vtkBlockedVolumeReader::OpenVolume()
   return true;
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::SetStandIn(vtkBlockedVolumeHandle* standIn)
 {
   this->StandIn = standIn;
   this->OpenTime = 0;
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
@@ -398,7 +375,6 @@ int vtkBlockedVolumeReader::RequestInformation(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::TellVolume(vtkInformation* outInfo)
 {
   const isosurface::BlockedVolumeHeader& header = this->Handle->GetVolume()->GetHeader();
@@ -431,7 +407,6 @@ void vtkBlockedVolumeReader::TellVolume(vtkInformation* outInfo)
   TellTimes(times, outInfo);
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector**, vtkInformationVector*)
 {
@@ -439,7 +414,6 @@ int vtkBlockedVolumeReader::RequestUpdateExtent(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
@@ -510,7 +484,6 @@ int vtkBlockedVolumeReader::RequestData(
   return isosurface::EndExecution(this, output, status);
 }
 
-//------------------------------------------------------------------------------
 std::vector<isosurface::CommonValue> vtkBlockedVolumeReader::Reading::MakeCommonValues(
   const vtkBlockedVolumeReader& reader, vtkInformation* outInfo)
 {
@@ -535,7 +508,6 @@ std::vector<isosurface::CommonValue> vtkBlockedVolumeReader::Reading::MakeCommon
   };
 }
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeReader::Reading::Reading(vtkBlockedVolumeReader& reader,
   const vtkBlockedVolumeHandle& handle, vtkInformation* outInfo, int threads)
   : Reader(&reader)
@@ -548,7 +520,6 @@ vtkBlockedVolumeReader::Reading::Reading(vtkBlockedVolumeReader& reader,
 {
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions) const
 {
   this->Reader->ShownText = "nothing yet, of " + DescribeDimensions(this->Volume->GetHeader().Grid);
@@ -560,14 +531,12 @@ void vtkBlockedVolumeReader::Reading::MakeBox(vtkPartitionedDataSet* partitions)
   }
 }
 
-//------------------------------------------------------------------------------
 std::optional<int> vtkBlockedVolumeReader::Reading::FindLevel() const
 {
   return isosurface::FindLevelWithin(
     *this->Volume, this->Arrays, this->Pieces, this->Reader->MemoryLimit * Mebibyte);
 }
 
-//------------------------------------------------------------------------------
 std::uint64_t vtkBlockedVolumeReader::Reading::ComputeFingerprint(int level) const
 {
   isosurface::Fingerprint fingerprint;
@@ -583,7 +552,6 @@ std::uint64_t vtkBlockedVolumeReader::Reading::ComputeFingerprint(int level) con
   return fingerprint.Get();
 }
 
-//------------------------------------------------------------------------------
 isosurface::Result<vtkSmartPointer<vtkDataSet>> vtkBlockedVolumeReader::Reading::ReadSlab(
   int level, const isosurface::Progress& progress) const
 {
@@ -607,7 +575,6 @@ isosurface::Result<vtkSmartPointer<vtkDataSet>> vtkBlockedVolumeReader::Reading:
   return part;
 }
 
-//------------------------------------------------------------------------------
 Status vtkBlockedVolumeReader::Reading::MakeSlab(vtkPartitionedDataSet* partitions) const
 {
   vtkBlockedVolumeReader* reader = this->Reader;
@@ -635,7 +602,6 @@ Status vtkBlockedVolumeReader::Reading::MakeSlab(vtkPartitionedDataSet* partitio
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 std::unique_ptr<vtkBlockedVolumeReader::PreparedOutput>
 vtkBlockedVolumeReader::Reading::PrepareSlab() const
 {
@@ -656,7 +622,6 @@ vtkBlockedVolumeReader::Reading::PrepareSlab() const
   return output;
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::PrepareOutput(vtkBlockedVolumeHandle* volume)
 {
   isosurface::ControllerCommunicator ranks(this->Controller);
@@ -675,13 +640,11 @@ void vtkBlockedVolumeReader::PrepareOutput(vtkBlockedVolumeHandle* volume)
   }
 }
 
-//------------------------------------------------------------------------------
 bool vtkBlockedVolumeReader::IsOutputPrepared(double seconds)
 {
   return !this->Prepared || this->Prepared->Work->Wait(seconds);
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -61,7 +61,6 @@ struct vtkEdgeIndexReader::Internals
   Status ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output);
 };
 
-//------------------------------------------------------------------------------
 vtkEdgeIndexReader::vtkEdgeIndexReader()
   : Internal(new Internals(*this))
 {
@@ -69,14 +68,12 @@ vtkEdgeIndexReader::vtkEdgeIndexReader()
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-//------------------------------------------------------------------------------
 vtkEdgeIndexReader::~vtkEdgeIndexReader()
 {
   this->SetFileName(nullptr);
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 int vtkEdgeIndexReader::CanReadFile(const char* fileName)
 {
   const auto file = isosurface::GetLocalFileSystem().OpenForReading(fileName ? fileName : "");
@@ -85,13 +82,11 @@ int vtkEdgeIndexReader::CanReadFile(const char* fileName)
     std::memcmp(head, "EIXcode\n", sizeof(head)) == 0;
 }
 
-//------------------------------------------------------------------------------
 vtkDoubleArray* vtkEdgeIndexReader::GetContourValues()
 {
   return this->Internal->ContourValues;
 }
 
-//------------------------------------------------------------------------------
 Status vtkEdgeIndexReader::Internals::OpenFile()
 {
   if (this->OpenTime != this->Reader.GetMTime())
@@ -110,7 +105,6 @@ Status vtkEdgeIndexReader::Internals::OpenFile()
   return this->File ? Status::Ok() : Status(StatusCode::NotFound, this->OpenError);
 }
 
-//------------------------------------------------------------------------------
 std::vector<isosurface::CommonValue> vtkEdgeIndexReader::Internals::MakeCommonValues() const
 {
   const vtkEdgeIndexReader& reader = this->Reader;
@@ -129,7 +123,6 @@ std::vector<isosurface::CommonValue> vtkEdgeIndexReader::Internals::MakeCommonVa
   };
 }
 
-//------------------------------------------------------------------------------
 int vtkEdgeIndexReader::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
@@ -157,7 +150,6 @@ int vtkEdgeIndexReader::RequestInformation(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkEdgeIndexReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
@@ -200,7 +192,6 @@ int vtkEdgeIndexReader::RequestData(
   return isosurface::EndExecution(this, output, status);
 }
 
-//------------------------------------------------------------------------------
 EdgeIndexSelection vtkEdgeIndexReader::Internals::MakeSelection(vtkInformation* outInfo) const
 {
   const isosurface::EdgeIndexHeader& header = this->File->GetHeader();
@@ -219,7 +210,6 @@ EdgeIndexSelection vtkEdgeIndexReader::Internals::MakeSelection(vtkInformation* 
   return selection;
 }
 
-//------------------------------------------------------------------------------
 Status vtkEdgeIndexReader::Internals::ReadSurface(
   vtkInformation* outInfo, int threads, vtkPolyData* output)
 {
@@ -265,7 +255,6 @@ Status vtkEdgeIndexReader::Internals::ReadSurface(
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 void vtkEdgeIndexReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -316,13 +316,11 @@ Status vtkInPlaceVolumeReader::Steps::Grow(
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
   : Datasets(vtkStringArray::New())
 {
 }
 
-//------------------------------------------------------------------------------
 vtkInPlaceVolumeReader::~vtkInPlaceVolumeReader()
 {
   this->SetSourceName(nullptr);
@@ -333,7 +331,6 @@ vtkInPlaceVolumeReader::~vtkInPlaceVolumeReader()
   this->Datasets->Delete();
 }
 
-//------------------------------------------------------------------------------
 int vtkInPlaceVolumeReader::CanReadFile(const char* fileName)
 {
   // The dialog that asks cannot catch what a damaged file may throw.
@@ -347,7 +344,6 @@ int vtkInPlaceVolumeReader::CanReadFile(const char* fileName)
   }
 }
 
-//------------------------------------------------------------------------------
 vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
 {
   this->Datasets->Initialize();
@@ -372,7 +368,6 @@ vtkStringArray* vtkInPlaceVolumeReader::GetDatasets()
   return this->Datasets;
 }
 
-//------------------------------------------------------------------------------
 int vtkInPlaceVolumeReader::GetIsRaw()
 {
   const std::string source = ToText(this->SourceName);
@@ -382,7 +377,6 @@ int vtkInPlaceVolumeReader::GetIsRaw()
   return !source.empty() && isRaw.IsOk() && *isRaw ? 1 : 0;
 }
 
-//------------------------------------------------------------------------------
 bool vtkInPlaceVolumeReader::IsPending()
 {
   if (this->CheckTime == this->vtkAlgorithm::GetMTime())
@@ -421,7 +415,6 @@ bool vtkInPlaceVolumeReader::IsPending()
   return !isCurrent && readHeader();
 }
 
-//------------------------------------------------------------------------------
 int vtkInPlaceVolumeReader::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -452,7 +445,6 @@ int vtkInPlaceVolumeReader::RequestData(
   return isRead;
 }
 
-//------------------------------------------------------------------------------
 std::size_t vtkInPlaceVolumeReader::FindStep(vtkInformation* outInfo) const
 {
   using Pipeline = vtkStreamingDemandDrivenPipeline;
@@ -466,14 +458,12 @@ std::size_t vtkInPlaceVolumeReader::FindStep(vtkInformation* outInfo) const
   return found;
 }
 
-//------------------------------------------------------------------------------
 bool vtkInPlaceVolumeReader::IsOtherSample(std::size_t step) const
 {
   return this->Growing && this->Stage != RefinementStage::None &&
     this->Growing->GetSample().Volume && this->Growing->GetSample().Step != step;
 }
 
-//------------------------------------------------------------------------------
 isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   isosurface::Communicator& ranks, std::size_t step)
 {
@@ -512,13 +502,11 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 void vtkInPlaceVolumeReader::AllowCoarse(vtkTypeBool allowed)
 {
   this->CoarseAllowed = allowed != 0;
 }
 
-//------------------------------------------------------------------------------
 void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
 {
   isosurface::ControllerCommunicator ranks(this->GetController());
@@ -551,7 +539,6 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
   }
 }
 
-//------------------------------------------------------------------------------
 double* vtkInPlaceVolumeReader::GetRefinement()
 {
   isosurface::Refinement refinement;
@@ -565,7 +552,6 @@ double* vtkInPlaceVolumeReader::GetRefinement()
   return this->Refinement.data();
 }
 
-//------------------------------------------------------------------------------
 bool vtkInPlaceVolumeReader::PrepareVolume(isosurface::Communicator& ranks, double seconds)
 {
   if (!this->Indexed)
@@ -584,7 +570,6 @@ bool vtkInPlaceVolumeReader::PrepareVolume(isosurface::Communicator& ranks, doub
   return ranks.All(this->IsOutputPrepared(seconds));
 }
 
-//------------------------------------------------------------------------------
 void vtkInPlaceVolumeReader::StopIndex()
 {
   if (this->Growing)
@@ -593,7 +578,6 @@ void vtkInPlaceVolumeReader::StopIndex()
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkInPlaceVolumeReader::TakeIndex()
 {
   if (this->Growing)
@@ -602,7 +586,6 @@ void vtkInPlaceVolumeReader::TakeIndex()
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkInPlaceVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

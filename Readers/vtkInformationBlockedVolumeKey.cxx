@@ -11,23 +11,19 @@
 #include "vtkInformation.h"
 #include "vtkInformationExecutivePortKey.h"
 
-//------------------------------------------------------------------------------
 vtkInformationBlockedVolumeKey::vtkInformationBlockedVolumeKey(
   const char* name, const char* location)
   : vtkInformationObjectBaseKey(name, location, "vtkBlockedVolumeHandle")
 {
 }
 
-//------------------------------------------------------------------------------
 vtkInformationBlockedVolumeKey::~vtkInformationBlockedVolumeKey() = default;
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeHandle* vtkInformationBlockedVolumeKey::GetHandle(vtkInformation* info)
 {
   return static_cast<vtkBlockedVolumeHandle*>(this->Get(info));
 }
 
-//------------------------------------------------------------------------------
 void vtkInformationBlockedVolumeKey::CopyDefaultInformation(
   vtkInformation* request, vtkInformation* fromInfo, vtkInformation* toInfo)
 {
@@ -43,14 +39,12 @@ void vtkInformationBlockedVolumeKey::CopyDefaultInformation(
   }
 }
 
-//------------------------------------------------------------------------------
 bool vtkInformationBlockedVolumeKey::NeedToExecute(
   vtkInformation* pipelineInfo, vtkInformation* dobjInfo)
 {
   return this->Has(dobjInfo) && this->GetHandle(pipelineInfo)->IsOutputNeeded();
 }
 
-//------------------------------------------------------------------------------
 void vtkInformationBlockedVolumeKey::StoreMetaData(
   vtkInformation*, vtkInformation* pipelineInfo, vtkInformation* dobjInfo)
 {
@@ -64,7 +58,6 @@ void vtkInformationBlockedVolumeKey::StoreMetaData(
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkInformationBlockedVolumeKey::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

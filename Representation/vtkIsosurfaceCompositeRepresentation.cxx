@@ -6,7 +6,6 @@
 
 vtkStandardNewMacro(vtkIsosurfaceCompositeRepresentation);
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceCompositeRepresentation::AddRepresentation(
   const char* type, vtkPVDataRepresentation* representation)
 {
@@ -14,7 +13,6 @@ void vtkIsosurfaceCompositeRepresentation::AddRepresentation(
   this->Superclass::AddRepresentation(type, representation);
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceCompositeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -90,7 +90,6 @@ void AddRank(vtkDataSetAttributes* attributes, vtkIdType count, unsigned int ran
 
 } // namespace
 
-//------------------------------------------------------------------------------
 int vtkIsosurfaceGeometryFilter::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -116,7 +115,6 @@ int vtkIsosurfaceGeometryFilter::RequestData(
   return 1;
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceGeometryFilter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

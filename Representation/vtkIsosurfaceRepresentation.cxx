@@ -70,7 +70,6 @@ void Replace(BaseT*& place, T* object)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 vtkIsosurfaceRepresentation::vtkIsosurfaceRepresentation()
   : SurfaceMapper(vtkIsosurfaceMapper::New())
   , ThinnedMapper(vtkIsosurfaceMapper::New())
@@ -89,10 +88,8 @@ vtkIsosurfaceRepresentation::vtkIsosurfaceRepresentation()
   this->SetupDefaults();
 }
 
-//------------------------------------------------------------------------------
 vtkIsosurfaceRepresentation::~vtkIsosurfaceRepresentation() = default;
 
-//------------------------------------------------------------------------------
 int vtkIsosurfaceRepresentation::ProcessViewRequest(
   vtkInformationRequestKey* request, vtkInformation* input, vtkInformation* output)
 {
@@ -120,7 +117,6 @@ int vtkIsosurfaceRepresentation::ProcessViewRequest(
   return this->Superclass::ProcessViewRequest(request, input, output);
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceRepresentation::BeginThinning(vtkPolyData* surface)
 {
   // Whoever has turned a surface will turn the next one. Small ones are thinned in no time.
@@ -138,7 +134,6 @@ void vtkIsosurfaceRepresentation::BeginThinning(vtkPolyData* surface)
   }
 }
 
-//------------------------------------------------------------------------------
 bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
 {
   if (this->SuppressLOD || input->Has(vtkPVRenderView::USE_OUTLINE_FOR_LOD()))
@@ -179,7 +174,6 @@ bool vtkIsosurfaceRepresentation::ProvideLevelOfDetail(vtkInformation* input)
   return true;
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -107,7 +107,6 @@ vtkStandardNewMacro(MiddleSlicesFilter);
 
 } // namespace
 
-//------------------------------------------------------------------------------
 vtkMiddleSlicesRepresentation::vtkMiddleSlicesRepresentation()
 {
   this->GeometryFilter->Delete();
@@ -117,7 +116,6 @@ vtkMiddleSlicesRepresentation::vtkMiddleSlicesRepresentation()
   this->SetupDefaults();
 }
 
-//------------------------------------------------------------------------------
 int vtkMiddleSlicesRepresentation::ProcessViewRequest(
   vtkInformationRequestKey* request, vtkInformation* input, vtkInformation* output)
 {
@@ -125,7 +123,6 @@ int vtkMiddleSlicesRepresentation::ProcessViewRequest(
   return this->Superclass::ProcessViewRequest(request, input, output);
 }
 
-//------------------------------------------------------------------------------
 void vtkMiddleSlicesRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -118,7 +118,6 @@ bool LegendsComeByThemselves()
 
 } // namespace
 
-//------------------------------------------------------------------------------
 void vtkSMIsosurfaceRepresentationProxy::ViewUpdated(vtkSMProxy* view)
 {
   if (vtkSMPropertyHelper(this, "Visibility").GetAsInt() != 0)
@@ -138,7 +137,6 @@ void vtkSMIsosurfaceRepresentationProxy::ViewUpdated(vtkSMProxy* view)
   this->Superclass::ViewUpdated(view);
 }
 
-//------------------------------------------------------------------------------
 vtkSMProxy* vtkSMIsosurfaceRepresentationProxy::FindColoringContour()
 {
   vtkSMProxy* contour = vtkSMPropertyHelper(this, "Input").GetAsProxy();
@@ -156,7 +154,6 @@ vtkSMProxy* vtkSMIsosurfaceRepresentationProxy::FindColoringContour()
   return ShowsIsovalues(this, contour) ? contour : nullptr;
 }
 
-//------------------------------------------------------------------------------
 bool vtkSMIsosurfaceRepresentationProxy::ShowsIsovalues(
   vtkSMProxy* representation, vtkSMProxy* contour)
 {
@@ -178,7 +175,6 @@ bool vtkSMIsosurfaceRepresentationProxy::ShowsIsovalues(
   return shown && contoured && std::strcmp(contoured, shown) == 0;
 }
 
-//------------------------------------------------------------------------------
 void vtkSMIsosurfaceRepresentationProxy::ChangeColorMap(vtkSMProxy* view, bool separate)
 {
   const bool hasLegend = this->IsScalarBarVisible(view);
@@ -193,7 +189,6 @@ void vtkSMIsosurfaceRepresentationProxy::ChangeColorMap(vtkSMProxy* view, bool s
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkSMIsosurfaceRepresentationProxy::NameLegend(vtkSMProxy* view, vtkSMProxy* map)
 {
   vtkSMProxy* legend = vtkSMTransferFunctionProxy::FindScalarBarRepresentation(map, view);
@@ -207,7 +202,6 @@ void vtkSMIsosurfaceRepresentationProxy::NameLegend(vtkSMProxy* view, vtkSMProxy
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkSMIsosurfaceRepresentationProxy::UpdateColors(vtkSMProxy* view, vtkSMProxy* contour)
 {
   if (vtkSMPropertyHelper(this, "UseSeparateColorMap").GetAsInt() == 0)
@@ -256,7 +250,6 @@ void vtkSMIsosurfaceRepresentationProxy::UpdateColors(vtkSMProxy* view, vtkSMPro
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkSMIsosurfaceRepresentationProxy::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -50,7 +50,6 @@ void CallOnServer(vtkSMProxy* proxy, const char* method, int argument)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 int vtkSMIsovalueDomain::SetDefaultValues(vtkSMProperty* property, bool useUnchecked)
 {
   const double isovalue = this->Propose();
@@ -64,7 +63,6 @@ int vtkSMIsovalueDomain::SetDefaultValues(vtkSMProperty* property, bool useUnche
   return 1;
 }
 
-//------------------------------------------------------------------------------
 double vtkSMIsovalueDomain::Propose()
 {
   vtkSMUncheckedPropertyHelper chosen(this->GetRequiredProperty("Input"));
@@ -116,7 +114,6 @@ double vtkSMIsovalueDomain::Propose()
     : vtkSMPropertyHelper(spectrum, "Proposal").GetAsDouble();
 }
 
-//------------------------------------------------------------------------------
 std::array<double, 2> vtkSMIsovalueDomain::FindRange(vtkSMProxy* spectrum)
 {
   if (this->GetMinimumExists(0) && this->GetMaximumExists(0))
@@ -129,7 +126,6 @@ std::array<double, 2> vtkSMIsovalueDomain::FindRange(vtkSMProxy* spectrum)
     : std::array<double, 2>{ None, None };
 }
 
-//------------------------------------------------------------------------------
 void vtkSMIsovalueDomain::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -9,13 +9,11 @@
 
 vtkStandardNewMacro(vtkSMSampleArrayDomain);
 
-//------------------------------------------------------------------------------
 bool vtkSMSampleArrayDomain::IsFilteredArray(vtkPVDataInformation*, int, const char* name)
 {
   return name && std::strcmp(name, vtkDataSetAttributes::GhostArrayName()) == 0;
 }
 
-//------------------------------------------------------------------------------
 void vtkSMSampleArrayDomain::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -37,7 +37,6 @@ void ShowInGrey(vtkSMProxy* map, const double* window)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 bool vtkSMVolumeSliceRepresentationProxy::SetRepresentationType(const char* type)
 {
   // As ParaView does for its own types of samples, Slice and Volume.
@@ -54,7 +53,6 @@ bool vtkSMVolumeSliceRepresentationProxy::SetRepresentationType(const char* type
   return this->Superclass::SetRepresentationType(type);
 }
 
-//------------------------------------------------------------------------------
 void vtkSMVolumeSliceRepresentationProxy::ViewUpdated(vtkSMProxy* view)
 {
   vtkSMProxy* map = vtkSMPropertyHelper(this, "LookupTable").GetAsProxy();
@@ -81,7 +79,6 @@ void vtkSMVolumeSliceRepresentationProxy::ViewUpdated(vtkSMProxy* view)
   this->Superclass::ViewUpdated(view);
 }
 
-//------------------------------------------------------------------------------
 void vtkSMVolumeSliceRepresentationProxy::ShowWindow(
   vtkSMProxy* map, const std::string& array, bool isHounsfield)
 {
@@ -101,7 +98,6 @@ void vtkSMVolumeSliceRepresentationProxy::ShowWindow(
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkSMVolumeSliceRepresentationProxy::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

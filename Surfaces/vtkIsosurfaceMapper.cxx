@@ -52,7 +52,6 @@ vtkStandardNewMacro(IsosurfaceDelegator);
 
 vtkStandardNewMacro(vtkIsosurfaceMapper);
 
-//------------------------------------------------------------------------------
 vtkIsosurfaceMapper::vtkIsosurfaceMapper()
   : Triangles(std::make_shared<isosurface::MeasuredTriangles>())
   , Culling(std::make_shared<isosurface::OcclusionCulling>())
@@ -60,11 +59,9 @@ vtkIsosurfaceMapper::vtkIsosurfaceMapper()
 {
 }
 
-//------------------------------------------------------------------------------
 vtkIsosurfaceMapper::~vtkIsosurfaceMapper() = default;
 
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
-//------------------------------------------------------------------------------
 vtkCompositePolyDataMapperDelegator* vtkIsosurfaceMapper::CreateADelegator()
 {
   IsosurfaceDelegator* delegator = IsosurfaceDelegator::New();
@@ -72,7 +69,6 @@ vtkCompositePolyDataMapperDelegator* vtkIsosurfaceMapper::CreateADelegator()
   return delegator;
 }
 #else
-//------------------------------------------------------------------------------
 vtkCompositeMapperHelper2* vtkIsosurfaceMapper::CreateHelper()
 {
   vtkIsosurfaceMapperHelper* helper = vtkIsosurfaceMapperHelper::New();
@@ -81,19 +77,16 @@ vtkCompositeMapperHelper2* vtkIsosurfaceMapper::CreateHelper()
 }
 #endif
 
-//------------------------------------------------------------------------------
 vtkIdType vtkIsosurfaceMapper::GetNumberOfDrawnTriangles()
 {
   return static_cast<vtkIdType>(this->Culling->GetDrawn());
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapper::BeginBudget(double seconds)
 {
   isosurface::DrawingBudget::SetCurrent(std::make_unique<isosurface::DrawingBudget>(seconds));
 }
 
-//------------------------------------------------------------------------------
 bool vtkIsosurfaceMapper::EndBudget()
 {
   const isosurface::DrawingBudget* budget = isosurface::DrawingBudget::GetCurrent();
@@ -102,7 +95,6 @@ bool vtkIsosurfaceMapper::EndBudget()
   return finished;
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapper::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

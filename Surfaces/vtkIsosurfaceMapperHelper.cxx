@@ -147,7 +147,6 @@ void Drop(ArrayT*& array, vtkObjectBase* owner)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 vtkIsosurfaceMapperHelper::Block* vtkIsosurfaceMapperHelper::GetBlockAlone()
 {
 #if VTK_VERSION_NUMBER >= VTK_VERSION_CHECK(9, 3, 0)
@@ -158,7 +157,6 @@ vtkIsosurfaceMapperHelper::Block* vtkIsosurfaceMapperHelper::GetBlockAlone()
 #endif
 }
 
-//------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor, const Block& block)
 {
   vtkPolyData* surface = GetSurface(block);
@@ -185,7 +183,6 @@ bool vtkIsosurfaceMapperHelper::Covers(vtkRenderer* renderer, vtkActor* actor, c
   return isPlain && shifts && ofPoints && this->Triangles->Measure(surface, this->Threads);
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkActor* actor)
 {
   this->ReleaseOwnBuffers();
@@ -219,7 +216,6 @@ void vtkIsosurfaceMapperHelper::BuildBufferObjects(vtkRenderer* renderer, vtkAct
   this->Superclass::BuildBufferObjects(renderer, actor);
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::ReleaseOwnBuffers()
 {
   if (std::exchange(this->HasOwnBuffers, false))
@@ -233,7 +229,6 @@ void vtkIsosurfaceMapperHelper::ReleaseOwnBuffers()
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   vtkRenderer* renderer, vtkActor* actor, Block& block)
 {
@@ -267,7 +262,6 @@ void vtkIsosurfaceMapperHelper::BuildBuffersOfBlock(
   this->VBOBuildTime.Modified();
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::MapColors(vtkPolyData* surface)
 {
   Drop(this->ColorCoordinates, this);
@@ -288,7 +282,6 @@ void vtkIsosurfaceMapperHelper::MapColors(vtkPolyData* surface)
   }
 }
 
-//------------------------------------------------------------------------------
 vtkDataArray* vtkIsosurfaceMapperHelper::FindNamedScalars(vtkPolyData* surface) const
 {
   if (!this->ScalarVisibility || this->ScalarMode != VTK_SCALAR_MODE_USE_POINT_FIELD_DATA ||
@@ -302,7 +295,6 @@ vtkDataArray* vtkIsosurfaceMapperHelper::FindNamedScalars(vtkPolyData* surface) 
   return isTaken ? scalars : nullptr;
 }
 
-//------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::MapColorsOfRuns(vtkPolyData* surface)
 {
   constexpr std::size_t most = 4096;
@@ -336,7 +328,6 @@ bool vtkIsosurfaceMapperHelper::MapColorsOfRuns(vtkPolyData* surface)
   return true;
 }
 
-//------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
 {
   vtkDataArray* scalars = this->FindNamedScalars(surface);
@@ -359,7 +350,6 @@ bool vtkIsosurfaceMapperHelper::MapColorsToTexture(vtkPolyData* surface)
   return true;
 }
 
-//------------------------------------------------------------------------------
 template <typename WriteT>
 void vtkIsosurfaceMapperHelper::MakeVertexBuffer(
   const char* attribute, std::size_t components, std::size_t tuples, WriteT write)
@@ -380,7 +370,6 @@ void vtkIsosurfaceMapperHelper::MakeVertexBuffer(
   VertexBufferSize::Set(buffer, tuples);
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::MakeVertices(
   vtkRenderer* renderer, vtkActor* actor, vtkPolyData* surface)
 {
@@ -457,7 +446,6 @@ void vtkIsosurfaceMapperHelper::MakeVertices(
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::MakeIndices(
   vtkOpenGLIndexBufferObject* buffer, vtkPolyData* surface)
 {
@@ -491,7 +479,6 @@ void vtkIsosurfaceMapperHelper::MakeIndices(
     });
 }
 
-//------------------------------------------------------------------------------
 bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
 {
   // Fewer triangles are drawn in less time than depths are read; in portions, fewer fit into one.
@@ -518,7 +505,6 @@ bool vtkIsosurfaceMapperHelper::CanCull(vtkRenderer* renderer, vtkActor* actor)
   return isWanted && !isMoved && isosurface::OcclusionCulling::IsPossible(renderer, actor);
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
   DrawingBudget* budget = DrawingBudget::GetCurrent();
@@ -555,7 +541,6 @@ void vtkIsosurfaceMapperHelper::RenderPieceDraw(vtkRenderer* renderer, vtkActor*
   block.NextIndex[PrimitiveTris] = static_cast<unsigned int>(all->IndexCount);
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::ReleaseGraphicsResources(vtkWindow* window)
 {
   this->Culling->ReleaseGraphicsResources();
@@ -563,7 +548,6 @@ void vtkIsosurfaceMapperHelper::ReleaseGraphicsResources(vtkWindow* window)
   this->Buffers.Clear();
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::BuildSelectionIBO(
   vtkPolyData* surface, std::vector<unsigned int> (&indices)[4], vtkIdType offset)
 {
@@ -593,7 +577,6 @@ void vtkIsosurfaceMapperHelper::BuildSelectionIBO(
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkIsosurfaceMapperHelper::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

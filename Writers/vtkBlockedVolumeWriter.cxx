@@ -78,13 +78,11 @@ struct vtkBlockedVolumeWriter::Session
   isosurface::BlockedVolumeWriter Writer;
 };
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeWriter::vtkBlockedVolumeWriter()
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeWriter::~vtkBlockedVolumeWriter()
 {
   this->Writing.reset();
@@ -92,19 +90,16 @@ vtkBlockedVolumeWriter::~vtkBlockedVolumeWriter()
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 vtkImageData* vtkBlockedVolumeWriter::GetInput()
 {
   return vtkImageData::SafeDownCast(this->Superclass::GetInput());
 }
 
-//------------------------------------------------------------------------------
 vtkImageData* vtkBlockedVolumeWriter::GetInput(int port)
 {
   return vtkImageData::SafeDownCast(this->Superclass::GetInput(port));
 }
 
-//------------------------------------------------------------------------------
 int vtkBlockedVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
@@ -113,25 +108,21 @@ int vtkBlockedVolumeWriter::FillInputPortInformation(int, vtkInformation* info)
   return 1;
 }
 
-//------------------------------------------------------------------------------
 vtkDataArraySelection* vtkBlockedVolumeWriter::GetPointDataArraySelection()
 {
   return this->PointDataArraySelection;
 }
 
-//------------------------------------------------------------------------------
 vtkMTimeType vtkBlockedVolumeWriter::GetMTime()
 {
   return std::max(this->Superclass::GetMTime(), this->PointDataArraySelection->GetMTime());
 }
 
-//------------------------------------------------------------------------------
 bool vtkBlockedVolumeWriter::IsLastTimeStep() const
 {
   return this->TimeIndex + 1 >= this->TimeSteps.size();
 }
 
-//------------------------------------------------------------------------------
 vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -186,13 +177,11 @@ vtkTypeBool vtkBlockedVolumeWriter::ProcessRequest(
   return result;
 }
 
-//------------------------------------------------------------------------------
 vtkBlockedVolumeHandle* vtkBlockedVolumeWriter::Session::FindHandle() const
 {
   return vtkBlockedVolumeReader::BLOCKED_VOLUME()->GetHandle(this->Owner.GetInputInformation());
 }
 
-//------------------------------------------------------------------------------
 Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& local)
 {
   if (!this->Owner.FileName || !*this->Owner.FileName)
@@ -231,7 +220,6 @@ Status vtkBlockedVolumeWriter::Session::CollectInput(isosurface::LocalVolume& lo
   return this->CollectImage(input, choice, local);
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeWriter::Session::DescribeVolume(const vtkBlockedVolumeHandle& handle,
   const isosurface::ArrayChoice& choice, isosurface::LocalVolume& local) const
 {
@@ -253,7 +241,6 @@ void vtkBlockedVolumeWriter::Session::DescribeVolume(const vtkBlockedVolumeHandl
     header.TimeSteps[handle.FindTimeStep(this->Owner.GetInputInformation())].Time, local);
 }
 
-//------------------------------------------------------------------------------
 Status vtkBlockedVolumeWriter::Session::CollectImage(const isosurface::WriterInput& input,
   const isosurface::ArrayChoice& choice, isosurface::LocalVolume& local) const
 {
@@ -294,7 +281,6 @@ Status vtkBlockedVolumeWriter::Session::CollectImage(const isosurface::WriterInp
   return this->CollectLines(input, whole, local);
 }
 
-//------------------------------------------------------------------------------
 Status vtkBlockedVolumeWriter::Session::CollectLines(
   const isosurface::WriterInput& input, const int whole[6], isosurface::LocalVolume& local) const
 {
@@ -315,7 +301,6 @@ Status vtkBlockedVolumeWriter::Session::CollectLines(
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeWriter::Session::SetTime(
   const std::optional<double>& time, isosurface::LocalVolume& local) const
 {
@@ -334,7 +319,6 @@ void vtkBlockedVolumeWriter::Session::SetTime(
   }
 }
 
-//------------------------------------------------------------------------------
 isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
   const isosurface::LocalVolume& local) const
 {
@@ -365,7 +349,6 @@ isosurface::BlockedVolumeSettings vtkBlockedVolumeWriter::Session::MakeSettings(
   return settings;
 }
 
-//------------------------------------------------------------------------------
 Result<std::unique_ptr<isosurface::BoxSource>> vtkBlockedVolumeWriter::Session::OpenSource(
   const isosurface::LocalVolume& local)
 {
@@ -391,7 +374,6 @@ Result<std::unique_ptr<isosurface::BoxSource>> vtkBlockedVolumeWriter::Session::
     std::make_unique<isosurface::MemorySource>(local.Piece));
 }
 
-//------------------------------------------------------------------------------
 Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume& local)
 {
   const auto opened = this->OpenSource(local);
@@ -410,7 +392,6 @@ Status vtkBlockedVolumeWriter::Session::WriteStep(const isosurface::LocalVolume&
   return written.GetStatus();
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeWriter::WriteData()
 {
   if (!this->Writing)
@@ -457,7 +438,6 @@ void vtkBlockedVolumeWriter::WriteData()
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkBlockedVolumeWriter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

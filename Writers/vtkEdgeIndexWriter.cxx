@@ -133,27 +133,23 @@ struct vtkEdgeIndexWriter::Steps
   isosurface::EdgeIndexWriteJob::Settings MakeSettings();
 };
 
-//------------------------------------------------------------------------------
 vtkEdgeIndexWriter::vtkEdgeIndexWriter()
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
 
-//------------------------------------------------------------------------------
 vtkEdgeIndexWriter::~vtkEdgeIndexWriter()
 {
   this->SetFileName(nullptr);
   this->SetController(nullptr);
 }
 
-//------------------------------------------------------------------------------
 int vtkEdgeIndexWriter::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
   return 1;
 }
 
-//------------------------------------------------------------------------------
 int vtkEdgeIndexWriter::Write()
 {
   this->SetErrorCode(vtkErrorCode::NoError);
@@ -165,7 +161,6 @@ int vtkEdgeIndexWriter::Write()
   return this->GetErrorCode() == vtkErrorCode::NoError ? 1 : 0;
 }
 
-//------------------------------------------------------------------------------
 void vtkEdgeIndexWriter::WriteData()
 {
   Steps steps(*this);
@@ -180,7 +175,6 @@ void vtkEdgeIndexWriter::WriteData()
   }
 }
 
-//------------------------------------------------------------------------------
 std::vector<double> vtkEdgeIndexWriter::Steps::FindTimeSteps() const
 {
   this->Contour->UpdateInformation();
@@ -193,7 +187,6 @@ std::vector<double> vtkEdgeIndexWriter::Steps::FindTimeSteps() const
   return std::vector<double>(times, times + info->Length(Pipeline::TIME_STEPS()));
 }
 
-//------------------------------------------------------------------------------
 Status vtkEdgeIndexWriter::Steps::FindContour(std::vector<double>& times)
 {
   const char* path = this->Writer.FileName;
@@ -210,7 +203,6 @@ Status vtkEdgeIndexWriter::Steps::FindContour(std::vector<double>& times)
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 Status vtkEdgeIndexWriter::Steps::WriteSurface()
 {
   std::vector<double> times;
@@ -242,7 +234,6 @@ Status vtkEdgeIndexWriter::Steps::WriteSurface()
   return Status::Ok();
 }
 
-//------------------------------------------------------------------------------
 Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(
   const ContourBlocks& blocks, int threads, const isosurface::Progress& progress)
 {
@@ -261,7 +252,6 @@ Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(
   return isosurface::MakeSurfaceHeader(this->Ranks, blocks, coding, request, threads, progress);
 }
 
-//------------------------------------------------------------------------------
 isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings()
 {
   isosurface::EdgeIndexWriteJob::Settings settings;
@@ -272,7 +262,6 @@ isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings(
   return settings;
 }
 
-//------------------------------------------------------------------------------
 Status vtkEdgeIndexWriter::Steps::WriteStep(
   const std::optional<double>& time, const std::string& path)
 {
@@ -284,7 +273,6 @@ Status vtkEdgeIndexWriter::Steps::WriteStep(
     });
 }
 
-//------------------------------------------------------------------------------
 Status vtkEdgeIndexWriter::Steps::WriteOnce(
   const std::optional<double>& time, const std::string& path, ContourBlocks& blocks)
 {
@@ -320,7 +308,6 @@ Status vtkEdgeIndexWriter::Steps::WriteOnce(
   return written.GetStatus();
 }
 
-//------------------------------------------------------------------------------
 void vtkEdgeIndexWriter::SetProfile(int profile)
 {
   const int nearest = isosurface::ChooseProfile(this, profile);
@@ -331,7 +318,6 @@ void vtkEdgeIndexWriter::SetProfile(int profile)
   }
 }
 
-//------------------------------------------------------------------------------
 void vtkEdgeIndexWriter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);

@@ -34,7 +34,6 @@ const QColor CurveColor(52, 120, 190);
 
 } // namespace
 
-//------------------------------------------------------------------------------
 void SpectrumPlot::SetSpectrum(const SpectrumCurve& spectrum)
 {
   this->Spectrum = spectrum;
@@ -42,7 +41,6 @@ void SpectrumPlot::SetSpectrum(const SpectrumCurve& spectrum)
   this->SetQuantity(this->Drawn);
 }
 
-//------------------------------------------------------------------------------
 void SpectrumPlot::SetQuantity(Quantity quantity)
 {
   this->Drawn = quantity;
@@ -56,7 +54,6 @@ void SpectrumPlot::SetQuantity(Quantity quantity)
   }
 }
 
-//------------------------------------------------------------------------------
 double SpectrumPlot::GetHeight(double value) const
 {
   if (!(value > 0))
@@ -71,7 +68,6 @@ double SpectrumPlot::GetHeight(double value) const
   return LogarithmicBase + (1 - LogarithmicBase) * std::log10(value / this->Minimum) / decades;
 }
 
-//------------------------------------------------------------------------------
 void SpectrumPlot::PaintCurves(
   QPainter& painter, const QRect& plot, const ValueAxis& axis, const QPalette& palette) const
 {
@@ -86,7 +82,6 @@ void SpectrumPlot::PaintCurves(
   painter.restore();
 }
 
-//------------------------------------------------------------------------------
 std::vector<double> SpectrumPlot::MakeHistogramColumns(
   const QRect& plot, const ValueAxis& axis) const
 {
@@ -108,7 +103,6 @@ std::vector<double> SpectrumPlot::MakeHistogramColumns(
   return columns;
 }
 
-//------------------------------------------------------------------------------
 void SpectrumPlot::PaintHistogram(
   QPainter& painter, const QRect& plot, const ValueAxis& axis, const QPalette& palette) const
 {
@@ -131,7 +125,6 @@ void SpectrumPlot::PaintHistogram(
   }
 }
 
-//------------------------------------------------------------------------------
 void SpectrumPlot::PaintCurve(QPainter& painter, const QRect& plot, const ValueAxis& axis) const
 {
   const std::vector<double>& isovalues = this->Spectrum.GetIsovalues();
@@ -166,7 +159,6 @@ void SpectrumPlot::PaintCurve(QPainter& painter, const QRect& plot, const ValueA
   painter.fillPath(curve, line);
 }
 
-//------------------------------------------------------------------------------
 void SpectrumPlot::PaintAxes(
   QPainter& painter, const QRect& plot, const ValueAxis& axis, const QPalette& palette) const
 {
@@ -187,7 +179,6 @@ void SpectrumPlot::PaintAxes(
   this->PaintScale(painter, plot, palette);
 }
 
-//------------------------------------------------------------------------------
 void SpectrumPlot::PaintScale(QPainter& painter, const QRect& plot, const QPalette& palette) const
 {
   if (this->Spectrum.Get(this->Drawn).empty() || !(this->Maximum > 0))

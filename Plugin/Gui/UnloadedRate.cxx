@@ -27,7 +27,6 @@ double CompareToUsual(const ExtractionWork& work, double seconds)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 double UnloadedRate::FindSlowness() const
 {
   double slowness =
@@ -39,7 +38,6 @@ double UnloadedRate::FindSlowness() const
   return slowness;
 }
 
-//------------------------------------------------------------------------------
 void UnloadedRate::Observe(const ExtractionWork& work, double seconds)
 {
   if (this->Observations.size() == Memory)

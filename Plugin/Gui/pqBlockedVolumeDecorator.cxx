@@ -23,7 +23,6 @@ vtkSMProxy* FindProducer(vtkSMProxy* filter)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqBlockedVolumeDecorator::pqBlockedVolumeDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent)
   : Superclass(xml, parent)
 {
@@ -33,21 +32,18 @@ pqBlockedVolumeDecorator::pqBlockedVolumeDecorator(vtkPVXMLElement* xml, pqPrope
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqBlockedVolumeDecorator::canShowWidget(bool showAdvanced) const
 {
   return IsBehindReader(this->parentWidget()->proxy()) &&
     this->Superclass::canShowWidget(showAdvanced);
 }
 
-//------------------------------------------------------------------------------
 bool pqBlockedVolumeDecorator::IsReader(vtkSMProxy* proxy)
 {
   return std::strcmp(proxy->GetXMLName(), "BlockedVolumeReader") == 0 ||
     pqIndexStatus::IsReader(proxy);
 }
 
-//------------------------------------------------------------------------------
 bool pqBlockedVolumeDecorator::IsBehindReader(vtkSMProxy* filter)
 {
   vtkSMProxy* producer = FindProducer(filter);

@@ -26,21 +26,18 @@ double FindMaximum(vtkPVDataSetAttributesInformation* fieldData, const char* nam
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqExtractionForecast::pqExtractionForecast(pqServer* server)
   : QObject(server)
   , Ranks(std::max(1, server->session()->GetNumberOfProcesses(vtkPVSession::DATA_SERVER)))
 {
 }
 
-//------------------------------------------------------------------------------
 pqExtractionForecast* pqExtractionForecast::Of(pqServer* server)
 {
   auto* found = server->findChild<pqExtractionForecast*>();
   return found ? found : new pqExtractionForecast(server);
 }
 
-//------------------------------------------------------------------------------
 void pqExtractionForecast::Learn(vtkSMSourceProxy* contour)
 {
   vtkPVDataSetAttributesInformation* costs =
@@ -59,7 +56,6 @@ void pqExtractionForecast::Learn(vtkSMSourceProxy* contour)
   this->Rate.Observe(work, seconds);
 }
 
-//------------------------------------------------------------------------------
 double pqExtractionForecast::PredictFromMemory(const IsosurfaceForecast& forecast) const
 {
   ExtractionWork work;
@@ -68,7 +64,6 @@ double pqExtractionForecast::PredictFromMemory(const IsosurfaceForecast& forecas
   return this->Rate.Predict(work);
 }
 
-//------------------------------------------------------------------------------
 double pqExtractionForecast::PredictFromDisk(const IsosurfaceForecast& forecast) const
 {
   ExtractionWork work;

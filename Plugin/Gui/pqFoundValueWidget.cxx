@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <string>
 
-//------------------------------------------------------------------------------
 pqFoundValueWidget::pqFoundValueWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent)
   : Superclass(proxy, parent)
 {
@@ -55,7 +54,6 @@ pqFoundValueWidget::pqFoundValueWidget(vtkSMProxy* proxy, vtkSMProperty* propert
   }
 }
 
-//------------------------------------------------------------------------------
 QVariantList pqFoundValueWidget::GetNumbers() const
 {
   QVariantList numbers;
@@ -71,7 +69,6 @@ QVariantList pqFoundValueWidget::GetNumbers() const
   return numbers;
 }
 
-//------------------------------------------------------------------------------
 void pqFoundValueWidget::SetNumbers(const QVariantList& numbers)
 {
   if (numbers == this->GetNumbers())
@@ -87,7 +84,6 @@ void pqFoundValueWidget::SetNumbers(const QVariantList& numbers)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqFoundValueWidget::FillOthers()
 {
   const bool isSet = !this->GetNumbers().isEmpty();
@@ -102,7 +98,6 @@ void pqFoundValueWidget::FillOthers()
   Q_EMIT this->numbersChanged();
 }
 
-//------------------------------------------------------------------------------
 void pqFoundValueWidget::EmptyIfFound()
 {
   if (std::all_of(this->Fields.begin(), this->Fields.end(),
@@ -117,7 +112,6 @@ void pqFoundValueWidget::EmptyIfFound()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqFoundValueWidget::ReadFound()
 {
   const std::string name = this->proxy()->GetPropertyName(this->Superclass::property());

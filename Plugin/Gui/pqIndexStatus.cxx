@@ -26,7 +26,6 @@
 using isosurface::CallOnServer;
 using isosurface::RefinementStage;
 
-//------------------------------------------------------------------------------
 pqIndexStatus::pqIndexStatus(QWidget* parent)
   : Superclass(parent)
   , Timer(new pqTimer(this))
@@ -51,14 +50,12 @@ pqIndexStatus::pqIndexStatus(QWidget* parent)
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqIndexStatus::Advance);
 }
 
-//------------------------------------------------------------------------------
 bool pqIndexStatus::IsReader(vtkSMProxy* proxy)
 {
   return proxy && proxy->GetVTKClassName() &&
     std::strcmp(proxy->GetVTKClassName(), "vtkInPlaceVolumeReader") == 0;
 }
 
-//------------------------------------------------------------------------------
 vtkBoundingBox pqIndexStatus::FindBounds(pqPipelineSource* source)
 {
   double bounds[6];
@@ -66,7 +63,6 @@ vtkBoundingBox pqIndexStatus::FindBounds(pqPipelineSource* source)
   return vtkBoundingBox(bounds);
 }
 
-//------------------------------------------------------------------------------
 void pqIndexStatus::FrameIfLarger(pqPipelineSource* source, const vtkBoundingBox& before)
 {
   const auto measure = [](const vtkBoundingBox& bounds)
@@ -81,7 +77,6 @@ void pqIndexStatus::FrameIfLarger(pqPipelineSource* source, const vtkBoundingBox
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIndexStatus::Watch(pqPipelineSource* source)
 {
   const bool isKnown =
@@ -94,7 +89,6 @@ void pqIndexStatus::Watch(pqPipelineSource* source)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIndexStatus::Advance()
 {
   Sources changed;
@@ -119,7 +113,6 @@ void pqIndexStatus::Advance()
   this->Update(changed);
 }
 
-//------------------------------------------------------------------------------
 void pqIndexStatus::Update(const Sources& changed)
 {
   std::vector<vtkBoundingBox> before;
@@ -140,7 +133,6 @@ void pqIndexStatus::Update(const Sources& changed)
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
 {
   vtkSMProxy* reader = source->getProxy();
@@ -162,7 +154,6 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
   return report.Stage == RefinementStage::Working;
 }
 
-//------------------------------------------------------------------------------
 void pqIndexStatus::Finish()
 {
   Sources finished;
@@ -180,7 +171,6 @@ void pqIndexStatus::Finish()
   this->Update(finished);
 }
 
-//------------------------------------------------------------------------------
 void pqIndexStatus::Stop()
 {
   for (const QPointer<pqPipelineSource>& reader : this->Readers)

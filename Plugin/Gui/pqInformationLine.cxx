@@ -35,7 +35,6 @@ private:
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqInformationLine::pqInformationLine(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent)
   : Superclass(proxy, parent)
   , Label(new QLabel(this))
@@ -54,13 +53,11 @@ pqInformationLine::pqInformationLine(vtkSMProxy* proxy, vtkSMProperty* property,
   this->Read();
 }
 
-//------------------------------------------------------------------------------
 QString pqInformationLine::GetText() const
 {
   return this->Text;
 }
 
-//------------------------------------------------------------------------------
 void pqInformationLine::Read()
 {
   // Others may take long: the list of a folder's datasets, say.

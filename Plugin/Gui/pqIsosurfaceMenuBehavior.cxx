@@ -64,7 +64,6 @@ void SetRange(vtkSMProxy* view, const std::pair<double, double>& triangles)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 void pqIsosurfaceMenuBehavior::OnStartup()
 {
   const pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
@@ -74,7 +73,6 @@ void pqIsosurfaceMenuBehavior::OnStartup()
     &pqIsosurfaceMenuBehavior::MoveToolBar);
 }
 
-//------------------------------------------------------------------------------
 void pqIsosurfaceMenuBehavior::MoveToolBar()
 {
   auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
@@ -84,7 +82,6 @@ void pqIsosurfaceMenuBehavior::MoveToolBar()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsosurfaceMenuBehavior::ObserveView(pqView* view)
 {
   if (std::strcmp(view->getProxy()->GetXMLName(), "XYChartView") == 0)
@@ -94,7 +91,6 @@ void pqIsosurfaceMenuBehavior::ObserveView(pqView* view)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsosurfaceMenuBehavior::ArrangeChart(pqRepresentation* representation)
 {
   auto* shown = qobject_cast<pqDataRepresentation*>(representation);
@@ -135,13 +131,11 @@ void pqIsosurfaceMenuBehavior::ArrangeChart(pqRepresentation* representation)
   view->UpdateVTKObjects();
 }
 
-//------------------------------------------------------------------------------
 void pqIsosurfaceMenuBehavior::ExpectReset()
 {
   QTimer::singleShot(0, this, &pqIsosurfaceMenuBehavior::KeepRanges);
 }
 
-//------------------------------------------------------------------------------
 void pqIsosurfaceMenuBehavior::KeepRanges()
 {
   const pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();

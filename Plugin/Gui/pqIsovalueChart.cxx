@@ -25,7 +25,6 @@ constexpr int WheelNotch = 120; ///< Qt's unit: eighths of a degree
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqIsovalueChart::pqIsovalueChart(QWidget* parent)
   : QWidget(parent)
 {
@@ -35,19 +34,16 @@ pqIsovalueChart::pqIsovalueChart(QWidget* parent)
   this->setAccessibleName(tr("Isovalues on the contour spectrum"));
 }
 
-//------------------------------------------------------------------------------
 QSize pqIsovalueChart::sizeHint() const
 {
   return QSize(300, 9 * this->fontMetrics().height());
 }
 
-//------------------------------------------------------------------------------
 QSize pqIsovalueChart::minimumSizeHint() const
 {
   return QSize(120, 7 * this->fontMetrics().height());
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetSpectrum(const SpectrumCurve& spectrum)
 {
   this->Plot.SetSpectrum(spectrum);
@@ -60,14 +56,12 @@ void pqIsovalueChart::SetSpectrum(const SpectrumCurve& spectrum)
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetMessage(const QString& message)
 {
   this->Message = message;
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetRange(double minimum, double maximum)
 {
   if (this->GetSpectrum().IsEmpty())
@@ -77,41 +71,35 @@ void pqIsovalueChart::SetRange(double minimum, double maximum)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetQuantity(Quantity quantity)
 {
   this->Plot.SetQuantity(quantity);
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetDurationWords(DurationWords words)
 {
   this->Words = std::move(words);
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetStored(bool stored)
 {
   this->Stored = stored;
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetColors(const QVector<QColor>& colors)
 {
   this->Colors = colors;
   this->update();
 }
 
-//------------------------------------------------------------------------------
 QColor pqIsovalueChart::GetColor(int handle) const
 {
   return handle < this->Colors.size() ? this->Colors[handle] : this->palette().highlight().color();
 }
 
-//------------------------------------------------------------------------------
 QVariantList pqIsovalueChart::GetIsovalues() const
 {
   QVariantList values;
@@ -122,7 +110,6 @@ QVariantList pqIsovalueChart::GetIsovalues() const
   return values;
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::SetIsovalues(const QVariantList& isovalues)
 {
   QVector<double> values;
@@ -143,14 +130,12 @@ void pqIsovalueChart::SetIsovalues(const QVariantList& isovalues)
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::ChangeIsovalues(const QVariantList& isovalues)
 {
   this->SetIsovalues(isovalues);
   Q_EMIT this->isovaluesChanged();
 }
 
-//------------------------------------------------------------------------------
 QString pqIsovalueChart::GetIsovalueText() const
 {
   QStringList words;
@@ -161,14 +146,12 @@ QString pqIsovalueChart::GetIsovalueText() const
   return words.join(' ');
 }
 
-//------------------------------------------------------------------------------
 QString pqIsovalueChart::GetRangeText() const
 {
   return isosurface::FormatValue(this->Axis.GetMinimum()) + " " +
     isosurface::FormatValue(this->Axis.GetMaximum());
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::Select(int handle)
 {
   this->Selected = std::clamp(handle, -1, static_cast<int>(this->Isovalues.size()) - 1);
@@ -179,21 +162,18 @@ void pqIsovalueChart::Select(int handle)
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::ShowAll()
 {
   this->Axis.ShowAll();
   this->update();
 }
 
-//------------------------------------------------------------------------------
 QRect pqIsovalueChart::GetPlot() const
 {
   const int axis = this->fontMetrics().height() + 4;
   return this->rect().adjusted(SideMargin, isosurface::GripHeight + 1, -SideMargin, -axis);
 }
 
-//------------------------------------------------------------------------------
 int pqIsovalueChart::FindHandle(const QPoint& place) const
 {
   int found = -1;
@@ -211,7 +191,6 @@ int pqIsovalueChart::FindHandle(const QPoint& place) const
   return found;
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::MoveTo(int handle, double isovalue)
 {
   if (isovalue != this->Isovalues[handle])
@@ -222,7 +201,6 @@ void pqIsovalueChart::MoveTo(int handle, double isovalue)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::Remove(int handle)
 {
   this->EndDrag();
@@ -232,7 +210,6 @@ void pqIsovalueChart::Remove(int handle)
   Q_EMIT this->isovaluesChanged();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::EndDrag()
 {
   if (this->Dragged >= 0)
@@ -243,7 +220,6 @@ void pqIsovalueChart::EndDrag()
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqIsovalueChart::event(QEvent* event)
 {
   // The window has shortcuts of these keys: Delete deletes the filter.
@@ -264,7 +240,6 @@ bool pqIsovalueChart::event(QEvent* event)
   return QWidget::event(event);
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::resizeEvent(QResizeEvent* event)
 {
   QWidget::resizeEvent(event);
@@ -272,7 +247,6 @@ void pqIsovalueChart::resizeEvent(QResizeEvent* event)
   this->Axis.SetPixels(plot.left(), plot.width() - 1);
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::mousePressEvent(QMouseEvent* event)
 {
   if (event->button() == Qt::MiddleButton)
@@ -297,7 +271,6 @@ void pqIsovalueChart::mousePressEvent(QMouseEvent* event)
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::mouseMoveEvent(QMouseEvent* event)
 {
   this->Hover = event->pos();
@@ -321,7 +294,6 @@ void pqIsovalueChart::mouseMoveEvent(QMouseEvent* event)
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::mouseReleaseEvent(QMouseEvent* event)
 {
   this->Panning = this->Panning && event->button() != Qt::MiddleButton;
@@ -331,7 +303,6 @@ void pqIsovalueChart::mouseReleaseEvent(QMouseEvent* event)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::mouseDoubleClickEvent(QMouseEvent* event)
 {
   if (event->button() != Qt::LeftButton || this->FindHandle(event->pos()) >= 0)
@@ -344,7 +315,6 @@ void pqIsovalueChart::mouseDoubleClickEvent(QMouseEvent* event)
   Q_EMIT this->isovaluesChanged();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::wheelEvent(QWheelEvent* event)
 {
   const double notches = static_cast<double>(event->angleDelta().y()) / WheelNotch;
@@ -361,7 +331,6 @@ void pqIsovalueChart::wheelEvent(QWheelEvent* event)
   this->update();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::keyPressEvent(QKeyEvent* event)
 {
   const auto handles = static_cast<int>(this->Isovalues.size());
@@ -393,7 +362,6 @@ void pqIsovalueChart::keyPressEvent(QKeyEvent* event)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::leaveEvent(QEvent* event)
 {
   this->Hovering = false;
@@ -401,7 +369,6 @@ void pqIsovalueChart::leaveEvent(QEvent* event)
   QWidget::leaveEvent(event);
 }
 
-//------------------------------------------------------------------------------
 QStringList pqIsovalueChart::DescribeIsovalue(double isovalue) const
 {
   QStringList lines = isosurface::DescribeIsosurface(this->GetSpectrum(), isovalue, this->Stored);
@@ -413,7 +380,6 @@ QStringList pqIsovalueChart::DescribeIsovalue(double isovalue) const
   return lines;
 }
 
-//------------------------------------------------------------------------------
 bool pqIsovalueChart::FindReadoutIsovalue(double& isovalue) const
 {
   const int handle = this->Dragged >= 0 ? this->Dragged
@@ -432,7 +398,6 @@ bool pqIsovalueChart::FindReadoutIsovalue(double& isovalue) const
   return false;
 }
 
-//------------------------------------------------------------------------------
 QString pqIsovalueChart::GetReadout() const
 {
   double isovalue = 0;
@@ -440,7 +405,6 @@ QString pqIsovalueChart::GetReadout() const
                                              : QString();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::paintEvent(QPaintEvent*)
 {
   QPainter painter(this);
@@ -473,7 +437,6 @@ void pqIsovalueChart::paintEvent(QPaintEvent*)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::PaintHandle(QPainter& painter, int handle) const
 {
   isosurface::HandleLook look;
@@ -484,7 +447,6 @@ void pqIsovalueChart::PaintHandle(QPainter& painter, int handle) const
     painter, this->GetPlot(), this->Axis.ToPixel(this->Isovalues[handle]), look);
 }
 
-//------------------------------------------------------------------------------
 void pqIsovalueChart::PaintReadout(QPainter& painter) const
 {
   double isovalue = 0;

@@ -67,7 +67,6 @@ IsosurfaceForecast ScaleToLevel(IsosurfaceForecast forecast, int level)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqIsovaluePropertyWidget::pqIsovaluePropertyWidget(
   vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent)
   : Superclass(property, proxy, parent)
@@ -89,13 +88,11 @@ pqIsovaluePropertyWidget::pqIsovaluePropertyWidget(
   this->UpdateColors();
 }
 
-//------------------------------------------------------------------------------
 pqIsovaluePropertyWidget::~pqIsovaluePropertyWidget()
 {
   this->EndDrag();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::LayOut()
 {
   // The superclass has put the list and its buttons into a row.
@@ -147,7 +144,6 @@ void pqIsovaluePropertyWidget::LayOut()
   column->addLayout(row);
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::LayOutTissues()
 {
   auto* row = new QHBoxLayout(this->Tissues);
@@ -175,7 +171,6 @@ void pqIsovaluePropertyWidget::LayOutTissues()
   this->Tissues->hide();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::ToggleIsovalue(double isovalue)
 {
   QVariantList isovalues = this->Chart->GetIsovalues();
@@ -188,7 +183,6 @@ void pqIsovaluePropertyWidget::ToggleIsovalue(double isovalue)
   this->Chart->ChangeIsovalues(isovalues);
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::UpdateTissues()
 {
   const std::vector<double> isovalues =
@@ -201,7 +195,6 @@ void pqIsovaluePropertyWidget::UpdateTissues()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::Observe()
 {
   QObject::connect(
@@ -254,7 +247,6 @@ void pqIsovaluePropertyWidget::Observe()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::ObserveInput()
 {
   vtkSMProxy* input = vtkSMPropertyHelper(this->proxy(), "Input").GetAsProxy();
@@ -270,21 +262,18 @@ void pqIsovaluePropertyWidget::ObserveInput()
   }
 }
 
-//------------------------------------------------------------------------------
 pqServer* pqIsovaluePropertyWidget::FindServer() const
 {
   return pqApplicationCore::instance()->getServerManagerModel()->findServer(
     this->proxy()->GetSession());
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::select()
 {
   this->Superclass::select();
   this->UpdateColors();
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::showEvent(QShowEvent* event)
 {
   this->Superclass::showEvent(event);
@@ -294,7 +283,6 @@ void pqIsovaluePropertyWidget::showEvent(QShowEvent* event)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::ExpectSpectrum()
 {
   this->Stale = true;
@@ -304,7 +292,6 @@ void pqIsovaluePropertyWidget::ExpectSpectrum()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::FetchSpectrum()
 {
   pqServer* server = this->FindServer();
@@ -340,7 +327,6 @@ void pqIsovaluePropertyWidget::FetchSpectrum()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::LearnFromSurface()
 {
   if (pqServer* server = this->FindServer())
@@ -350,7 +336,6 @@ void pqIsovaluePropertyWidget::LearnFromSurface()
   }
 }
 
-//------------------------------------------------------------------------------
 QString pqIsovaluePropertyWidget::DescribeDuration(const IsosurfaceForecast& forecast) const
 {
   pqServer* server = this->FindServer();
@@ -373,7 +358,6 @@ QString pqIsovaluePropertyWidget::DescribeDuration(const IsosurfaceForecast& for
     .arg(isosurface::FormatSeconds(fromDisk));
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::UpdateColors()
 {
   const auto* model = pqApplicationCore::instance()->getServerManagerModel();
@@ -423,7 +407,6 @@ void pqIsovaluePropertyWidget::UpdateColors()
   this->Chart->SetColors(colors);
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::BeginDrag()
 {
   if (!this->InUndoSet)
@@ -433,7 +416,6 @@ void pqIsovaluePropertyWidget::BeginDrag()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::EndDrag()
 {
   if (this->InUndoSet)
@@ -449,7 +431,6 @@ void pqIsovaluePropertyWidget::EndDrag()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::FollowIfLive()
 {
   this->UpdateColors();
@@ -459,7 +440,6 @@ void pqIsovaluePropertyWidget::FollowIfLive()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqIsovaluePropertyWidget::ApplyNow()
 {
   const pqServer* server = this->FindServer();

@@ -18,7 +18,6 @@ namespace
 constexpr int ArrayNameElement = 4;
 } // namespace
 
-//------------------------------------------------------------------------------
 pqOtherArraysDecorator::pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent)
   : Superclass(xml, parent)
 {
@@ -35,20 +34,17 @@ pqOtherArraysDecorator::pqOtherArraysDecorator(vtkPVXMLElement* xml, pqPropertyW
   this->ExpectChange();
 }
 
-//------------------------------------------------------------------------------
 bool pqOtherArraysDecorator::canShowWidget(bool showAdvanced) const
 {
   return !this->IsEmpty && this->Superclass::canShowWidget(showAdvanced);
 }
 
-//------------------------------------------------------------------------------
 void pqOtherArraysDecorator::ExpectChange()
 {
   // The list itself is filled by another observer of the same event.
   QTimer::singleShot(0, this, &pqOtherArraysDecorator::HideContoured);
 }
 
-//------------------------------------------------------------------------------
 void pqOtherArraysDecorator::HideContoured()
 {
   vtkSMProxy* proxy = this->parentWidget()->proxy();

@@ -51,7 +51,6 @@ QString FindShown(pqPipelineSource* source)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 void pqOverviewNoteBehavior::OnStartup()
 {
   QObject::connect(
@@ -60,7 +59,6 @@ void pqOverviewNoteBehavior::OnStartup()
     SIGNAL(dataUpdated(pqPipelineSource*)), this, SLOT(Update()));
 }
 
-//------------------------------------------------------------------------------
 QLabel* pqOverviewNoteBehavior::FindLine()
 {
   const QWidget* window = pqCoreUtilities::mainWidget();
@@ -76,7 +74,6 @@ QLabel* pqOverviewNoteBehavior::FindLine()
   return this->Line;
 }
 
-//------------------------------------------------------------------------------
 void pqOverviewNoteBehavior::Update()
 {
   if (QLabel* line = this->FindLine())

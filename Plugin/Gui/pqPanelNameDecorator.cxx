@@ -10,7 +10,6 @@
 #include <QGridLayout>
 #include <QLabel>
 
-//------------------------------------------------------------------------------
 pqPanelNameDecorator::pqPanelNameDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent)
   : Superclass(xml, parent)
   , Name(xml->GetAttribute("text"))
@@ -27,7 +26,6 @@ pqPanelNameDecorator::pqPanelNameDecorator(vtkPVXMLElement* xml, pqPropertyWidge
   parent->installEventFilter(this); // it gets its place in the panel, and its label, later
 }
 
-//------------------------------------------------------------------------------
 bool pqPanelNameDecorator::eventFilter(QObject* object, QEvent* event)
 {
   if (event->type() == QEvent::Show)
@@ -37,7 +35,6 @@ bool pqPanelNameDecorator::eventFilter(QObject* object, QEvent* event)
   return Superclass::eventFilter(object, event);
 }
 
-//------------------------------------------------------------------------------
 void pqPanelNameDecorator::Rename() const
 {
   pqPropertyWidget* widget = this->parentWidget();

@@ -129,7 +129,6 @@ bool IsServerAlive(vtkSMProxy* contour)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqProgressiveContourBehavior::pqProgressiveContourBehavior(QObject* parent)
   : QObject(parent)
   , Timer(new pqTimer(this))
@@ -139,7 +138,6 @@ pqProgressiveContourBehavior::pqProgressiveContourBehavior(QObject* parent)
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqProgressiveContourBehavior::Advance);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::OnStartup()
 {
   pqApplicationCore* application = pqApplicationCore::instance();
@@ -165,7 +163,6 @@ void pqProgressiveContourBehavior::OnStartup()
   QCoreApplication::instance()->installEventFilter(this);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::OnShutdown()
 {
   this->Timer->stop();
@@ -174,7 +171,6 @@ void pqProgressiveContourBehavior::OnShutdown()
   QCoreApplication::instance()->removeEventFilter(this);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::ObserveWindow()
 {
   auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget());
@@ -201,7 +197,6 @@ void pqProgressiveContourBehavior::ObserveWindow()
   this->ObserveTimeButtons(window);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::ObserveTimeButtons(QMainWindow* window)
 {
   // A button's action, which goes to the time and updates the views, or plays until the end, is
@@ -218,7 +213,6 @@ void pqProgressiveContourBehavior::ObserveTimeButtons(QMainWindow* window)
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqProgressiveContourBehavior::eventFilter(QObject* object, QEvent* event)
 {
   if (event->type() == QEvent::Show)
@@ -233,7 +227,6 @@ bool pqProgressiveContourBehavior::eventFilter(QObject* object, QEvent* event)
   return QObject::eventFilter(object, event);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Observe(pqPipelineSource* source)
 {
   if (CanBeCoarse(source->getProxy()))
@@ -252,7 +245,6 @@ bool pqProgressiveContourBehavior::IsCoarseFirst() const
   return this->Status && this->Status->IsCoarseFirst();
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::AllowCoarse(bool allowed)
 {
   const bool coarse = allowed && this->IsCoarseFirst();
@@ -262,7 +254,6 @@ void pqProgressiveContourBehavior::AllowCoarse(bool allowed)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::ObserveFirst(pqPipelineSource* source)
 {
   // No others: until Apply scripts may ask them for their surfaces.
@@ -272,19 +263,16 @@ void pqProgressiveContourBehavior::ObserveFirst(pqPipelineSource* source)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::BeginByHand()
 {
   this->AllowCoarse(true);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::EndByHand()
 {
   this->AllowCoarse(false);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::BeginTime()
 {
   this->ChangingTime = true;
@@ -292,14 +280,12 @@ void pqProgressiveContourBehavior::BeginTime()
   this->AllowCoarse(!vtkPVGeneralSettings::GetInstance()->GetCacheGeometryForAnimation());
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::EndTime()
 {
   this->ChangingTime = false;
   this->AllowCoarse(false);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::RenderByHand()
 {
   this->AllowCoarse(true);
@@ -339,7 +325,6 @@ void pqProgressiveContourBehavior::Watch(pqPipelineSource* source)
   this->Timer->start(0);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Advance()
 {
   if (!this->Status)
@@ -392,7 +377,6 @@ void pqProgressiveContourBehavior::Advance()
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
 {
   vtkSMProxy* contour = watched.Source->getProxy();
@@ -452,7 +436,6 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::FrameGrown(pqPipelineSource* source)
 {
   const auto before = this->BoundsBefore.find(source->getProxy()->GetGlobalID());
@@ -463,7 +446,6 @@ void pqProgressiveContourBehavior::FrameGrown(pqPipelineSource* source)
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqProgressiveContourBehavior::IsHandMoving(Watched& watched, const Refinement& report) const
 {
   if (!watched.Ready.isValid())
@@ -474,7 +456,6 @@ bool pqProgressiveContourBehavior::IsHandMoving(Watched& watched, const Refineme
     !watched.Ready.hasExpired(PatienceMilliseconds);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Stop()
 {
   for (const Watched& watched : std::exchange(this->All, {}))
@@ -488,7 +469,6 @@ void pqProgressiveContourBehavior::Stop()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::Finish()
 {
   vtkLogF(1, "Surfaces are finished before they are saved");
@@ -516,7 +496,6 @@ void pqProgressiveContourBehavior::Finish()
   pqApplicationCore::instance()->render();
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::FinishOne(pqPipelineSource* source)
 {
   const QPointer<pqPipelineSource> kept = source;
@@ -574,7 +553,6 @@ void pqProgressiveContourBehavior::AskAboutSize(pqPipelineSource* source, const 
   QObject::connect(source, &QObject::destroyed, this->Question.data(), &QDialog::close);
 }
 
-//------------------------------------------------------------------------------
 void pqProgressiveContourBehavior::UseLevel(pqPipelineSource* source, int level)
 {
   BEGIN_UNDO_SET(tr("Use Level %1").arg(level));

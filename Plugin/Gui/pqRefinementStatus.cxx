@@ -18,7 +18,6 @@ namespace
 const char* const CoarseFirstSetting = "ScalableIsosurface/CoarseSurfacesFirst";
 } // namespace
 
-//------------------------------------------------------------------------------
 pqRefinementStatus::pqRefinementStatus(QWidget* parent)
   : Superclass(parent)
   , CoarseFirst(new QAction(tr("Coarse surfaces first"), this))
@@ -48,20 +47,17 @@ pqRefinementStatus::pqRefinementStatus(QWidget* parent)
   this->hide();
 }
 
-//------------------------------------------------------------------------------
 bool pqRefinementStatus::IsCoarseFirst() const
 {
   return this->CoarseFirst->isChecked();
 }
 
-//------------------------------------------------------------------------------
 void pqRefinementStatus::ShowBegin()
 {
   this->Stop->setEnabled(true);
   this->show();
 }
 
-//------------------------------------------------------------------------------
 void pqRefinementStatus::ShowRefinement(const Refinement& report)
 {
   const QString triangles = report.Triangles > 0
@@ -75,7 +71,6 @@ void pqRefinementStatus::ShowRefinement(const Refinement& report)
   this->ShowBegin();
 }
 
-//------------------------------------------------------------------------------
 void pqRefinementStatus::ShowGrowth(const Refinement& report)
 {
   this->setText(
@@ -83,7 +78,6 @@ void pqRefinementStatus::ShowGrowth(const Refinement& report)
   this->ShowBegin();
 }
 
-//------------------------------------------------------------------------------
 void pqRefinementStatus::ShowEnd(int level, bool stopped)
 {
   this->Stop->setEnabled(false);
@@ -92,7 +86,6 @@ void pqRefinementStatus::ShowEnd(int level, bool stopped)
   this->show();
 }
 
-//------------------------------------------------------------------------------
 void pqRefinementStatus::Clear()
 {
   this->Stop->setEnabled(false);

@@ -7,7 +7,6 @@
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMProxy.h"
 
-//------------------------------------------------------------------------------
 pqRegionBoxWidget::pqRegionBoxWidget(vtkSMProxy* proxy, vtkSMPropertyGroup* group, QWidget* parent)
   : Superclass(proxy, group, parent)
 {
@@ -18,7 +17,6 @@ pqRegionBoxWidget::pqRegionBoxWidget(vtkSMProxy* proxy, vtkSMPropertyGroup* grou
   this->FollowInput();
 }
 
-//------------------------------------------------------------------------------
 void pqRegionBoxWidget::FollowInput()
 {
   vtkSMProperty* input = this->proxy()->GetProperty("Input");

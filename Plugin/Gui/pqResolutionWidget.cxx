@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 
-//------------------------------------------------------------------------------
 pqResolutionWidget::pqResolutionWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent)
   : Superclass(proxy, parent)
   , Levels(new QComboBox(this))
@@ -30,13 +29,11 @@ pqResolutionWidget::pqResolutionWidget(vtkSMProxy* proxy, vtkSMProperty* propert
   this->addPropertyLink(this, "level", SIGNAL(levelChanged()), property);
 }
 
-//------------------------------------------------------------------------------
 int pqResolutionWidget::GetLevel() const
 {
   return std::max(0, this->Levels->currentIndex());
 }
 
-//------------------------------------------------------------------------------
 void pqResolutionWidget::SetLevel(int level)
 {
   // A script may have asked for more than there are, which gives the coarsest one.
@@ -47,13 +44,11 @@ void pqResolutionWidget::SetLevel(int level)
   this->Levels->setCurrentIndex(level);
 }
 
-//------------------------------------------------------------------------------
 int pqResolutionWidget::GetCoarsest() const
 {
   return this->Levels->count() - 1;
 }
 
-//------------------------------------------------------------------------------
 void pqResolutionWidget::ListLevels()
 {
   auto* range = this->Superclass::property()->FindDomain<vtkSMIntRangeDomain>();

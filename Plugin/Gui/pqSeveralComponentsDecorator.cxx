@@ -7,7 +7,6 @@
 #include "vtkSMEnumerationDomain.h"
 #include "vtkSMProperty.h"
 
-//------------------------------------------------------------------------------
 pqSeveralComponentsDecorator::pqSeveralComponentsDecorator(
   vtkPVXMLElement* xml, pqPropertyWidget* parent)
   : Superclass(xml, parent)
@@ -16,7 +15,6 @@ pqSeveralComponentsDecorator::pqSeveralComponentsDecorator(
     parent->property(), vtkCommand::DomainModifiedEvent, this, SIGNAL(visibilityChanged()));
 }
 
-//------------------------------------------------------------------------------
 bool pqSeveralComponentsDecorator::canShowWidget(bool showAdvanced) const
 {
   auto* components = this->parentWidget()->property()->FindDomain<vtkSMEnumerationDomain>();

@@ -3,7 +3,6 @@
 
 #include <QCheckBox>
 
-//------------------------------------------------------------------------------
 pqSlicePlaneWidget::pqSlicePlaneWidget(
   vtkSMProxy* proxy, vtkSMPropertyGroup* group, QWidget* parent)
   : Superclass(proxy, group, parent)

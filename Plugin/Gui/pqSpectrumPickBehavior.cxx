@@ -147,7 +147,6 @@ void Tell(const QString& words)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::OnStartup()
 {
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
@@ -161,7 +160,6 @@ void pqSpectrumPickBehavior::OnStartup()
     model, &pqServerManagerModel::viewAdded, this, &pqSpectrumPickBehavior::ObserveView);
 }
 
-//------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::Observe(pqPipelineSource* source)
 {
   if (IsSource(source, "ContourSpectrum"))
@@ -171,7 +169,6 @@ void pqSpectrumPickBehavior::Observe(pqPipelineSource* source)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::Pick(pqOutputPort* port)
 {
   vtkSMSourceProxy* selection = port->getSelectionInput();
@@ -190,7 +187,6 @@ void pqSpectrumPickBehavior::Pick(pqOutputPort* port)
   this->SetIsovalues(spectrum, isosurface::ChooseIsovalues(column, FindRows(selection)), false);
 }
 
-//------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::ObserveView(pqView* view)
 {
   auto* chart = qobject_cast<pqContextView*>(view);
@@ -203,7 +199,6 @@ void pqSpectrumPickBehavior::ObserveView(pqView* view)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::PickPlace(vtkObject* caller)
 {
   auto* interactor = vtkRenderWindowInteractor::SafeDownCast(caller);
@@ -222,7 +217,6 @@ void pqSpectrumPickBehavior::PickPlace(vtkObject* caller)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqSpectrumPickBehavior::SetIsovalues(
   vtkSMSourceProxy* spectrum, std::vector<double> isovalues, bool add)
 {

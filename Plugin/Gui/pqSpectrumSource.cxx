@@ -71,7 +71,6 @@ SpectrumCurve MakeCurve(const std::vector<double>& tuples, bool integers)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqSpectrumSource::pqSpectrumSource(vtkSMProxy* contour, QObject* parent)
   : QObject(parent)
   , Contour(contour)
@@ -81,7 +80,6 @@ pqSpectrumSource::pqSpectrumSource(vtkSMProxy* contour, QObject* parent)
   QObject::connect(this->Timer, &QTimer::timeout, this, &pqSpectrumSource::Advance);
 }
 
-//------------------------------------------------------------------------------
 vtkSMSourceProxy* pqSpectrumSource::GetInput(unsigned int& port) const
 {
   vtkSMPropertyHelper input(this->Contour, "Input");
@@ -93,19 +91,16 @@ vtkSMSourceProxy* pqSpectrumSource::GetInput(unsigned int& port) const
   return vtkSMSourceProxy::SafeDownCast(input.GetAsProxy());
 }
 
-//------------------------------------------------------------------------------
 bool pqSpectrumSource::IsStored() const
 {
   return pqBlockedVolumeDecorator::IsBehindReader(this->Contour);
 }
 
-//------------------------------------------------------------------------------
 bool pqSpectrumSource::IsCounting() const
 {
   return this->Timer->isActive();
 }
 
-//------------------------------------------------------------------------------
 void pqSpectrumSource::Advance()
 {
   pqServer* server = pqApplicationCore::instance()->getServerManagerModel()->findServer(
@@ -131,7 +126,6 @@ void pqSpectrumSource::Advance()
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqSpectrumSource::HasIntegers() const
 {
   unsigned int port = 0;
@@ -154,7 +148,6 @@ bool pqSpectrumSource::HasIntegers() const
   return components == 1 || component < components; // else the magnitude
 }
 
-//------------------------------------------------------------------------------
 SpectrumCurve pqSpectrumSource::Fetch(double time)
 {
   unsigned int port = 0;

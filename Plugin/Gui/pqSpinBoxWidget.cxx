@@ -13,7 +13,6 @@ namespace
 constexpr double LargestNumber = 9007199254740992.0;
 } // namespace
 
-//------------------------------------------------------------------------------
 pqSpinBoxWidget::pqSpinBoxWidget(vtkSMProxy* proxy, vtkSMProperty* property, QWidget* parent)
   : Superclass(proxy, parent)
 {

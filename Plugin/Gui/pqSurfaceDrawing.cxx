@@ -53,7 +53,6 @@ bool IsDrawnHere(pqView* view)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 pqSurfaceDrawing::pqSurfaceDrawing(QObject* parent)
   : Superclass(parent)
   , Timer(new pqTimer(this))
@@ -69,7 +68,6 @@ pqSurfaceDrawing::pqSurfaceDrawing(QObject* parent)
   QCoreApplication::instance()->installEventFilter(this);
 }
 
-//------------------------------------------------------------------------------
 bool pqSurfaceDrawing::eventFilter(QObject*, QEvent* event)
 {
   const QEvent::Type type = event->type();
@@ -81,13 +79,11 @@ bool pqSurfaceDrawing::eventFilter(QObject*, QEvent* event)
   return false;
 }
 
-//------------------------------------------------------------------------------
 bool pqSurfaceDrawing::IsHandMoving(int milliseconds) const
 {
   return this->SinceHand.isValid() && !this->SinceHand.hasExpired(milliseconds);
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::Observe(pqView* view)
 {
   if (FindView(view))
@@ -98,7 +94,6 @@ void pqSurfaceDrawing::Observe(pqView* view)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::ObserveCamera()
 {
   vtkRenderWindowInteractor* interactor = GetInteractor(qobject_cast<pqView*>(this->sender()));
@@ -116,7 +111,6 @@ void pqSurfaceDrawing::ObserveCamera()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::HoldImage(vtkObject* interactor, unsigned long event)
 {
   if (event != vtkCommand::RenderEvent)
@@ -141,7 +135,6 @@ void pqSurfaceDrawing::HoldImage(vtkObject* interactor, unsigned long event)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::DrawHeldImage(vtkObject*, unsigned long event)
 {
   const QPointer<pqView> view = std::exchange(this->Held, nullptr);
@@ -161,7 +154,6 @@ void pqSurfaceDrawing::DrawHeldImage(vtkObject*, unsigned long event)
   }
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::Begin()
 {
   for (pqView* view : GetPipelineModel()->findItems<pqView*>())
@@ -173,7 +165,6 @@ void pqSurfaceDrawing::Begin()
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqSurfaceDrawing::Add(pqView* view, int milliseconds)
 {
   if (!IsDrawnHere(view))
@@ -187,14 +178,12 @@ bool pqSurfaceDrawing::Add(pqView* view, int milliseconds)
   return true;
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::Stop()
 {
   this->Timer->stop();
   this->Views.clear();
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::Advance()
 {
   this->Views.removeAll(nullptr);
@@ -233,7 +222,6 @@ void pqSurfaceDrawing::Advance()
   this->Timer->start(this->IsHandMoving() ? PauseMilliseconds : 0);
 }
 
-//------------------------------------------------------------------------------
 bool pqSurfaceDrawing::DrawPortion(pqView* view)
 {
   const QPointer<pqView> kept = view; // rendering may process events
@@ -260,7 +248,6 @@ bool pqSurfaceDrawing::DrawPortion(pqView* view)
   return isWhole;
 }
 
-//------------------------------------------------------------------------------
 void pqSurfaceDrawing::Forget()
 {
   auto* view = qobject_cast<pqView*>(this->sender());

@@ -7,7 +7,6 @@
 #include <QBoxLayout>
 #include <QLabel>
 
-//------------------------------------------------------------------------------
 pqUnitDecorator::pqUnitDecorator(vtkPVXMLElement* xml, pqPropertyWidget* parent)
   : Superclass(xml, parent)
 {

@@ -49,20 +49,17 @@ QString FindFile(const QDialog* question)
 
 } // namespace
 
-//------------------------------------------------------------------------------
 void pqVolumeOpeningBehavior::OnStartup()
 {
   isosurface::CallWithWindow(this, &pqVolumeOpeningBehavior::AddToMenu);
   QCoreApplication::instance()->installEventFilter(this);
 }
 
-//------------------------------------------------------------------------------
 void pqVolumeOpeningBehavior::OnShutdown()
 {
   QCoreApplication::instance()->removeEventFilter(this);
 }
 
-//------------------------------------------------------------------------------
 void pqVolumeOpeningBehavior::AddToMenu()
 {
   const QWidget* window = pqCoreUtilities::mainWidget();
@@ -79,7 +76,6 @@ void pqVolumeOpeningBehavior::AddToMenu()
   }
 }
 
-//------------------------------------------------------------------------------
 void pqVolumeOpeningBehavior::OpenFolder()
 {
   pqServer* server = pqActiveObjects::instance().activeServer();
@@ -97,7 +93,6 @@ void pqVolumeOpeningBehavior::OpenFolder()
   }
 }
 
-//------------------------------------------------------------------------------
 bool pqVolumeOpeningBehavior::eventFilter(QObject* object, QEvent* event)
 {
   if (event->type() == QEvent::Show && object->objectName() == "pqSelectReaderDialog")
@@ -110,7 +105,6 @@ bool pqVolumeOpeningBehavior::eventFilter(QObject* object, QEvent* event)
   return QObject::eventFilter(object, event);
 }
 
-//------------------------------------------------------------------------------
 void pqVolumeOpeningBehavior::Propose(const QDialog* question) const
 {
   auto* readers = question->findChild<QListWidget*>("listWidget");
