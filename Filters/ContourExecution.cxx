@@ -295,10 +295,7 @@ Status ContourExecution::ExtractFromVolume(const VolumeInput& input, const Surfa
     isosurface::MakeProgress(this->Contour), this->Contour.GetDynamicBalance() ? &ranks : nullptr };
   task.Query.Rank = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   task.Query.Ranks = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
-  for (const InterpolatedArray& array : outcome.Arrays)
-  {
-    task.Request.Attributes.push_back(array.Layout);
-  }
+  task.Request.Attributes = GetLayouts(outcome.Arrays);
   std::string warning;
   const Status status = RunWithReplicas(
     ranks, [&] { return task.Volume.get(); }, warning,
@@ -456,10 +453,7 @@ Result<MemoryQuery> ContourExecution::CollectImages(Communicator& ranks, vtkInfo
     query.Samples = pieces;
     query.Region = this->MakeRegion();
     query.Request = this->MakeRequest();
-    for (const InterpolatedArray& array : outcome.Arrays)
-    {
-      query.Request.Attributes.push_back(array.Layout);
-    }
+    query.Request.Attributes = GetLayouts(outcome.Arrays);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(Attempt("the images of the input cannot be contoured", add));

@@ -155,7 +155,7 @@ struct vtkContourSpectrum::Steps
 struct vtkContourSpectrum::OfImages
 {
   MemorySpectrum Spectra;
-  isosurface::FieldRefinement Levels{ [] { return std::uint64_t{ 0 }; } };
+  isosurface::FieldRefinement Levels;
 };
 
 vtkContourSpectrum::vtkContourSpectrum()

@@ -76,35 +76,31 @@ void AddCost(int rank, const SurfaceExchange& exchange, const Surface& surface, 
 
 Status CheckContour(vtkStabbingContour* contour)
 {
-  const auto refuse = [](const char* reason)
-  { return Status(StatusCode::InvalidArgument, reason); };
-  if (!contour)
-  {
-    return refuse(
+  const std::pair<bool, const char*> refusals[] = {
+    { !contour,
       "Only the unchanged output of Isosurface can be distributed, which knows "
       "where the surface crosses the grid of its volume: put Distribute Isosurface right "
-      "behind it, and other filters behind Distribute Isosurface.");
-  }
-  if (contour->GetCloseBoundary())
+      "behind it, and other filters behind Distribute Isosurface." },
+    { contour && contour->GetCloseBoundary(),
+      "The caps that CloseBoundary adds cannot be distributed: turn CloseBoundary of "
+      "Isosurface off." },
+    { contour && contour->GetSkipNotANumber(),
+      "The holes that SkipNotANumber leaves cannot be distributed: turn SkipNotANumber "
+      "of Isosurface off." },
+    { contour && contour->GetDropDegenerateTriangles(),
+      "A surface is always distributed with all its triangles: turn "
+      "DropDegenerateTriangles of Isosurface off, or put Clean behind Distribute "
+      "Isosurface." },
+    { contour && contour->GetComputeIslandIds(),
+      "A surface is distributed without arrays of triangles: turn ComputeIslandIds of "
+      "Isosurface off." },
+  };
+  for (const auto& [isRefused, reason] : refusals)
   {
-    return refuse("The caps that CloseBoundary adds cannot be distributed: turn CloseBoundary of "
-                  "Isosurface off.");
-  }
-  if (contour->GetSkipNotANumber())
-  {
-    return refuse("The holes that SkipNotANumber leaves cannot be distributed: turn SkipNotANumber "
-                  "of Isosurface off.");
-  }
-  if (contour->GetDropDegenerateTriangles())
-  {
-    return refuse("A surface is always distributed with all its triangles: turn "
-                  "DropDegenerateTriangles of Isosurface off, or put Clean behind Distribute "
-                  "Isosurface.");
-  }
-  if (contour->GetComputeIslandIds())
-  {
-    return refuse("A surface is distributed without arrays of triangles: turn ComputeIslandIds of "
-                  "Isosurface off.");
+    if (isRefused)
+    {
+      return { StatusCode::InvalidArgument, reason };
+    }
   }
   return Status::Ok();
 }
@@ -121,10 +117,7 @@ isosurface::ContourRequest MakeRequest(
   request.GlobalIds = true;
   request.Offsets = true;
   request.Polygons = polygons;
-  for (const isosurface::InterpolatedArray& array : blocks.Arrays)
-  {
-    request.Attributes.push_back(array.Layout);
-  }
+  request.Attributes = isosurface::GetLayouts(blocks.Arrays);
   return request;
 }
 
@@ -137,11 +130,9 @@ struct vtkDistributeIsosurface::Steps
   vtkStabbingContour* Contour;
 
   /// This rank's piece of the surface. Collective.
-  Status Distribute(vtkInformation* outInfo, vtkPolyData* output) const;
-  Status DistributeOnce(vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const;
+  Status Distribute(vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const;
   /// What the blocks of all ranks are encoded with. Collective.
   Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks, int threads) const;
-  SurfaceExchange::Settings MakeSettings() const;
 };
 
 vtkDistributeIsosurface::vtkDistributeIsosurface()
@@ -183,8 +174,13 @@ int vtkDistributeIsosurface::RequestData(
   {
     isosurface::IgnoreAbortedInput(*this);
     const Steps steps = { *this, ranks, contour };
-    status = isosurface::RunCollective(
-      NotDistributed, [&] { return steps.Distribute(output->GetInformationObject(0), polyData); });
+    status = isosurface::RunCollective(NotDistributed,
+      [&]
+      {
+        return isosurface::RunWithContourBlocks(this, ranks,
+          [&](ContourBlocks& blocks)
+          { return steps.Distribute(output->GetInformationObject(0), polyData, blocks); });
+      });
   }
   if (status.IsOk())
   {
@@ -210,23 +206,7 @@ Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
   return isosurface::MakeSurfaceHeader(this->Ranks, blocks, coding, request, threads, {});
 }
 
-SurfaceExchange::Settings vtkDistributeIsosurface::Steps::MakeSettings() const
-{
-  SurfaceExchange::Settings settings;
-  settings.Threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
-  settings.DrawingRanks = this->Filter.DrawingRanks;
-  settings.RoundBytes = static_cast<std::uint64_t>(this->Filter.RoundBytes);
-  return settings;
-}
-
 Status vtkDistributeIsosurface::Steps::Distribute(
-  vtkInformation* outInfo, vtkPolyData* output) const
-{
-  return isosurface::RunWithContourBlocks(&this->Filter, this->Ranks,
-    [&](ContourBlocks& blocks) { return this->DistributeOnce(outInfo, output, blocks); });
-}
-
-Status vtkDistributeIsosurface::Steps::DistributeOnce(
   vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const
 {
   const auto begin = std::chrono::steady_clock::now();
@@ -244,7 +224,10 @@ Status vtkDistributeIsosurface::Steps::DistributeOnce(
   {
     return Status::Ok();
   }
-  const SurfaceExchange::Settings settings = this->MakeSettings();
+  SurfaceExchange::Settings settings;
+  settings.Threads = ranks.ChooseThreads(this->Filter.NumberOfThreads);
+  settings.DrawingRanks = this->Filter.DrawingRanks;
+  settings.RoundBytes = static_cast<std::uint64_t>(this->Filter.RoundBytes);
   ISOSURFACE_ASSIGN_OR_RETURN(
     const EdgeIndexHeader header, this->MakeHeader(blocks, settings.Threads));
   ISOSURFACE_ASSIGN_OR_RETURN(blocks.Arrays, isosurface::ShareArrays(ranks, blocks));

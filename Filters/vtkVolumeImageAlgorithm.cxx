@@ -146,7 +146,7 @@ struct vtkVolumeImageAlgorithm::Work
   std::uint64_t Source = 0; ///< of the last image
   bool Final = true;
   isosurface::ImageField Image;
-  isosurface::FieldRefinement Levels{ [] { return std::uint64_t{ 0 }; } };
+  isosurface::FieldRefinement Levels;
 };
 
 vtkVolumeImageAlgorithm::vtkVolumeImageAlgorithm()
@@ -249,13 +249,12 @@ int vtkVolumeImageAlgorithm::RequestUpdateExtent(
 int vtkVolumeImageAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
-  int result = 0;
-  this->MakeImage(request, input[0]->GetInformationObject(0), output, result);
-  return result;
+  return isosurface::EndExecution(
+    this, output, this->MakeImage(request, input[0]->GetInformationObject(0), output));
 }
 
-bool vtkVolumeImageAlgorithm::MakeImage(
-  vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output, int& result)
+Status vtkVolumeImageAlgorithm::MakeImage(
+  vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output)
 {
   Work& work = *this->Internals;
   vtkInformation* outInfo = output->GetInformationObject(0);
@@ -290,8 +289,7 @@ bool vtkVolumeImageAlgorithm::MakeImage(
     work.Text.clear();
     vtkDataObject::GetData(outInfo)->Initialize();
   }
-  result = isosurface::EndExecution(this, output, status);
-  return status.IsOk();
+  return status;
 }
 
 std::uint64_t vtkVolumeImageAlgorithm::Work::SumSource(const VolumeInput& input) const

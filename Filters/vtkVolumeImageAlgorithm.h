@@ -83,10 +83,9 @@ protected:
   virtual std::string Describe(const isosurface::ImagePlan& plan,
     const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays,
     const std::string& level) = 0;
-  /// Fills the first output. False if there was an error, which is reported, or a stop: then that output is
-  /// empty, and RequestData returns `result`. Collective.
-  bool MakeImage(
-    vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output, int& result);
+  /// Fills the first output, or leaves it empty. Collective. The error, or a stop, is that of all ranks.
+  isosurface::Status MakeImage(
+    vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output);
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestDataObject(

@@ -10,7 +10,6 @@
 #include "Storage/Sampling/ImagePlan.h"
 #include "Storage/Store/BlockedVolume.h"
 
-#include <array>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -50,17 +49,11 @@ double CountBytesOfSample(
 
 // The vertices of full resolution around a box; empty if it is beside the volume.
 isosurface::VertexBox FindVertices(
-  const isosurface::BlockedVolume& volume, const double position[3], const double length[3])
+  const isosurface::BlockedVolume& volume, const double low[3], const double size[3])
 {
-  std::array<double, 3> low{};
-  std::array<double, 3> high{};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    low[axis] = position[axis];
-    high[axis] = low[axis] + length[axis];
-  }
   return isosurface::VertexPlaces(volume.GetHeader().Grid, volume.GetLines(0))
-    .FindVerticesAround(low, high);
+    .FindVerticesAround(
+      { low[0], low[1], low[2] }, { low[0] + size[0], low[1] + size[1], low[2] + size[2] });
 }
 
 } // namespace
@@ -71,11 +64,8 @@ vtkVolumeRegion::~vtkVolumeRegion() = default;
 std::uint64_t vtkVolumeRegion::SumProperties()
 {
   isosurface::Fingerprint properties;
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    properties.AddReal(this->Position[axis]);
-    properties.AddReal(this->Length[axis]);
-  }
+  properties.AddReals(this->Position);
+  properties.AddReals(this->Length);
   properties.AddNumber(static_cast<std::uint64_t>(this->MemoryLimit));
   return properties.Get();
 }

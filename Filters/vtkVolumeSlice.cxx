@@ -151,24 +151,22 @@ int vtkVolumeSlice::RequestData(
 {
   auto* isolines = vtkPolyData::GetData(output, 1);
   isolines->Initialize();
-  int result = 0;
-  const bool isMade = this->MakeImage(request, input[0]->GetInformationObject(0), output, result);
-  auto* image = vtkImageData::GetData(output, 0);
-  if (!isMade || this->Isovalues->GetNumberOfContours() == 0)
+  Status status = this->MakeImage(request, input[0]->GetInformationObject(0), output);
+  if (status.IsOk() && this->Isovalues->GetNumberOfContours() > 0)
   {
-    return result;
-  }
-  isosurface::ControllerCommunicator ranks(this->GetController());
-  const Status status = isosurface::AttemptOnAll(ranks, "the isolines cannot be made",
-    [&]
+    auto* image = vtkImageData::GetData(output, 0);
+    isosurface::ControllerCommunicator ranks(this->GetController());
+    status = isosurface::AttemptOnAll(ranks, "the isolines cannot be made",
+      [&]
+      {
+        this->MakeIsolines(image, isolines);
+        return Status::Ok();
+      });
+    if (!status.IsOk())
     {
-      this->MakeIsolines(image, isolines);
-      return Status::Ok();
-    });
-  if (!status.IsOk())
-  {
-    image->Initialize();
-    isolines->Initialize();
+      image->Initialize();
+      isolines->Initialize();
+    }
   }
   return isosurface::EndExecution(this, output, status);
 }
@@ -220,11 +218,8 @@ void vtkVolumeSlice::MakeIsolines(vtkImageData* image, vtkPolyData* isolines)
 std::uint64_t vtkVolumeSlice::SumProperties()
 {
   isosurface::Fingerprint properties;
-  for (int axis = 0; axis < 3; ++axis)
-  {
-    properties.AddReal(this->Origin[axis]);
-    properties.AddReal(this->Normal[axis]);
-  }
+  properties.AddReals(this->Origin);
+  properties.AddReals(this->Normal);
   properties.AddNumber(static_cast<std::uint64_t>(this->Interpolation));
   properties.AddReal(this->MaximumPoints);
   properties.AddText(this->IsolineArray);

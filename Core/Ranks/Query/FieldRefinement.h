@@ -38,7 +38,8 @@ class FieldRefinement
 {
 public:
   /// `findFreeMemory`: the bytes that this rank can still have; 0 if that is not known.
-  explicit FieldRefinement(std::function<std::uint64_t()> findFreeMemory);
+  explicit FieldRefinement(
+    std::function<std::uint64_t()> findFreeMemory = [] { return std::uint64_t{ 0 }; });
 
   /// What Begin has chosen.
   struct Choice

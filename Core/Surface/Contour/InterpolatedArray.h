@@ -25,6 +25,16 @@ struct InterpolatedArray
   }
 };
 
+inline std::vector<AttributeLayout> GetLayouts(const std::vector<InterpolatedArray>& arrays)
+{
+  std::vector<AttributeLayout> layouts;
+  for (const InterpolatedArray& array : arrays)
+  {
+    layouts.push_back(array.Layout);
+  }
+  return layouts;
+}
+
 } // namespace isosurface
 
 #endif
