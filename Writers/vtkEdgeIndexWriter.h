@@ -12,7 +12,7 @@
  * DropDegenerateTriangles (but of closed ones), island ids or polygons.
  *
  * If the contour leaves islands out, each rank first makes the triangles of its blocks, to find
- * them: see LeaveOutIslands. A closed surface is lossless then, in every mode.
+ * them: see MakeSurfaceHeader. A closed surface is lossless then, in every mode.
  *
  * All ranks of the controller call Write(), and write one file together. It does not depend on the
  * number of ranks or threads, and appears in one step at the end. If there is an error on any rank,

@@ -45,7 +45,7 @@ struct ContourBlocks
   std::string Origin;         ///< where the samples came from, for people
   std::optional<double> Time; ///< of the samples
   std::optional<IslandRequest>
-    Islands;            ///< that the filter keeps, if it looks for islands; see LeaveOutIslands
+    Islands;            ///< that the filter keeps, if it looks for islands; see MakeSurfaceHeader
   KeyRange FiniteRange; ///< of the contoured values, of blocks that are not active too
 
   /// Set by the caller: whether Source is to give samples for gradients, and samples of the
@@ -82,9 +82,9 @@ struct BlockCoding
 };
 
 /// What an edge-index stream says of the blocks of all ranks: what the first rank that has samples knows of them,
-/// and with `blocks.Islands` the islands that it leaves out (LeaveOutIslands). Normals are those of `request`.
-/// Collective. Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory, those of
-/// LeaveOutIslands.
+/// and with `blocks.Islands` the islands that it leaves out, after an extraction of the whole surface. Normals are
+/// those of `request`. Collective. Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory,
+/// those of ExtractSurface and ChooseIslands.
 Result<EdgeIndexHeader> MakeSurfaceHeader(Communicator& ranks, const ContourBlocks& blocks,
   const BlockCoding& coding, const ContourRequest& request, int threads, const Progress& progress);
 
