@@ -26,6 +26,10 @@ check() {
 run_with_server() {
   timeout 200 xvfb-run -a -s -noreset mpirun --oversubscribe -n 2 pvserver --server-port=11199 >"$output/pvserver.log" 2>&1 &
   server=$!
+  until grep -q Accepting "$output/pvserver.log"; do
+    kill -0 $server
+    sleep 1
+  done
   timeout 150 "$@" --server localhost:11199 || {
     kill $server
     return 1
@@ -100,7 +104,7 @@ if [ "$1" = inside ]; then # a root folder
     cp -r "$volumes/$(echo $volume | cut -d / -f 1)" "$folder"
     check "first-contact-$(basename $volume)" env ONE_FILE_PLUGIN="$plugin" ONE_FILE_VOLUME="$folder/$volume" \
       ONE_FILE_OUTPUT="$folder" xvfb-run -a -s -noreset \
-      timeout 200 paraview --script="$plugin_tests/one_file_window.py"
+      timeout 200 paraview --dr --script="$plugin_tests/one_file_window.py"
   done
   check damaged-library refuses_damaged_library
   check wheel env PYTHONPATH= "$here/../Install/use_wheel.sh" "$input"/*.whl
