@@ -27,7 +27,7 @@ run_with_server() {
   timeout 200 xvfb-run -a -s -noreset mpirun --oversubscribe -n 2 pvserver --server-port=11199 >"$output/pvserver.log" 2>&1 &
   server=$!
   until grep -q Accepting "$output/pvserver.log"; do
-    kill -0 $server
+    kill -0 $server || return 1
     sleep 1
   done
   timeout 150 "$@" --server localhost:11199 || {
