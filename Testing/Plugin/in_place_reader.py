@@ -433,6 +433,23 @@ class InPlaceReader(testing.TestCase):
         exec(script, {})
         self.check_surfaces(len(paths))
 
+    def test_an_address_is_the_volume(self):
+        write_zarr(self.source, self.samples)
+        folder, name = os.path.split(self.source)
+        script = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "Python", "address_server.py")
+        server = subprocess.Popen([testing.arguments.python, script, folder], stdin=subprocess.PIPE,
+                                  stdout=subprocess.PIPE, text=True, env=testing.make_mpi_environment())
+        self.addCleanup(server.communicate)  # which ends it
+        address = f"{server.stdout.readline().strip()}/{name}"
+        reader = simple.VolumefromanAddress(Address=address, IndexFolder=self.source + ".index")
+        self.assertEqual(count_triangles(reader), self.expected)
+        self.assertTrue(os.path.exists(f"{self.source}.index/{name}.bvol"))
+        script = smstate.get_state()
+        simple.ResetSession()
+        self.assertIn("VolumefromanAddress(", script)
+        exec(script, {})
+        self.check_surfaces(1)
+
     def test_states_and_scripts_of_before_open_the_source(self):
         write_zarr(self.source, self.samples)
         count_triangles(simple.InPlaceVolumeReader(FileName=self.source))

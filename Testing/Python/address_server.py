@@ -99,24 +99,29 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.answer(403, f"<Error><Code>{code}</Code></Error>".encode(), Content_Type="application/xml")
 
     def send_file(self, file, asked):
-        with open(file, "rb") as opened:
-            data = opened.read()
-        when = os.stat(file).st_mtime_ns
+        size, when = os.stat(file).st_size, os.stat(file).st_mtime_ns
         headers = {"Content_Type": "application/octet-stream"}
         if self.server.tags:
-            headers["ETag"] = f'"{when:x}-{len(data):x}"'
+            headers["ETag"] = f'"{when:x}-{size:x}"'
             headers["Last_Modified"] = email.utils.formatdate(when / 1e9, usegmt=True)
             if self.headers.get("If-None-Match") == headers["ETag"]:
                 return self.answer(304, Content_Length=None, **headers)
         match = re.fullmatch(r"bytes=(\d*)-(\d*)", asked or "")
         if not match or not self.server.gives_ranges:
-            return self.answer(200, data, **headers)
+            return self.answer(200, self.read(file, 0, size), **headers)
         first, last = match.groups()
-        begin = int(first) if first else max(0, len(data) - int(last))
-        end = min(len(data), int(last) + 1) if first and last else len(data)
+        begin = int(first) if first else max(0, size - int(last))
+        end = min(size, int(last) + 1) if first and last else size
         if begin >= end:
-            return self.answer(416, Content_Range=f"bytes */{len(data)}")
-        return self.answer(206, data[begin:end], Content_Range=f"bytes {begin}-{end - 1}/{len(data)}", **headers)
+            return self.answer(416, Content_Range=f"bytes */{size}")
+        headers["Content_Range"] = f"bytes {begin}-{end - 1}/{size}"
+        return self.answer(206, self.read(file, begin, end), **headers)
+
+    @staticmethod
+    def read(file, begin, end):
+        with open(file, "rb") as opened:
+            opened.seek(begin)
+            return opened.read(end - begin)
 
     def is_signed(self):
         """Whether the request has the signature, version 4, of the server's key. Source: Amazon's "Signature

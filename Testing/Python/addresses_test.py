@@ -7,7 +7,6 @@ import os
 import shutil
 import subprocess
 import sys
-import threading
 import time
 import unittest
 
@@ -26,6 +25,23 @@ try:
 except ImportError:
     zarr = None
 
+try:
+    import mrcfile
+except ImportError:
+    mrcfile = None
+try:
+    import nibabel
+except ImportError:
+    nibabel = None
+try:
+    import tifffile
+except ImportError:
+    tifffile = None
+
+#: The programs of the build, and a file of its tests.
+BLOCKVOLUME, MPIEXEC = (os.environ.get(name) for name in ("BLOCKVOLUME", "MPIEXEC"))
+GOLDEN_SURFACE = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "Data", "edge-index",
+                              "lossless-float32.eix")
 SHAPE = (48, 56, 64)
 CHUNK = (16, 16, 16)
 CODECS = [{"name": "bytes", "configuration": {"endian": "little"}}, {"name": "zstd", "configuration": {"level": 1}}]
@@ -154,20 +170,13 @@ class Zarrs(AddressTest):
         self.assertFalse([code for _, _, code in self.server.requests if code == 206], "chunks were fetched again")
 
 
-@unittest.skipUnless(zarr, "needs the package zarr")
-class Faults(AddressTest):
+class FaultyServer(AddressTest):
+    """A volume on a server, and what may be wrong there."""
+
     def setUp(self):
         super().setUp()
         self.samples = make_waves(SHAPE)
         write_array_2(self.www("a.zarr"), self.samples, CHUNK)
-
-    def check_recovery(self, *faults):
-        """The samples are right, although the first answers are these faults."""
-        left = list(faults)
-        shutil.rmtree(self.path("cache"), ignore_errors=True)
-        self.server.faults[r"1\.1\.1$"] = lambda handler, file: bool(left) and left.pop()(handler, file)
-        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
-        self.assertFalse(left)
 
     @staticmethod
     def busy(handler, _):
@@ -205,13 +214,9 @@ class Faults(AddressTest):
         time.sleep(3)
         return True
 
-    def test_busy_servers_and_broken_connections_are_asked_again(self):
-        self.check_recovery(self.busy, self.busy)
-        self.check_recovery(self.cut)
-        self.check_recovery(self.broken)
-        self.check_recovery(self.stall)
-        self.check_recovery(self.many)
 
+@unittest.skipUnless(zarr, "needs the package zarr")
+class Faults(FaultyServer):
     def test_each_fault_is_one_line_that_names_address_and_reason(self):
         def lie(handler, file):
             handler.answer(206, b"x" * 100, Content_Range="bytes 0-99/9223372036854775807")
@@ -261,6 +266,24 @@ class Faults(AddressTest):
                 self.check_error(pattern, key=numpy.s_[20, 20, 20])
         del self.server.faults[r"1\.1\.1$"]
         numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
+
+
+@unittest.skipUnless(zarr, "needs the package zarr")
+class Recovery(FaultyServer):
+    def check_recovery(self, *faults):
+        """The samples are right, although the first answers are these faults."""
+        left = list(faults)
+        shutil.rmtree(self.path("cache"), ignore_errors=True)
+        self.server.faults[r"1\.1\.1$"] = lambda handler, file: bool(left) and left.pop()(handler, file)
+        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
+        self.assertFalse(left)
+
+    def test_busy_servers_and_broken_connections_are_asked_again(self):
+        self.check_recovery(self.busy, self.busy)
+        self.check_recovery(self.cut)
+        self.check_recovery(self.broken)
+        self.check_recovery(self.stall)
+        self.check_recovery(self.many)
 
     def test_servers_that_are_not_there_are_named_at_once(self):
         begin = time.monotonic()
@@ -333,6 +356,93 @@ class Buckets(AddressTest):
     def test_public_buckets_need_no_keys(self):
         self.server.keys = None
         self.check()
+
+
+class Ranges(AddressTest):
+    def setUp(self):
+        super().setUp()
+        self.samples = make_waves((60, 70, 80))
+
+    def check(self, name):
+        numpy.testing.assert_array_equal(si.open(f"{self.server.url}/{name}")[...], self.samples, name)
+
+    def test_files_are_read_by_ranges(self):
+        write_nrrd(self.www("a.nrrd"), self.samples)
+        write_nrrd(self.www("packed.nrrd"), self.samples, True)
+        self.samples.tofile(self.www("a_80x70x60_float32.raw"))
+        with open(self.www("a.mhd"), "w") as file:
+            file.write("ObjectType = Image\nNDims = 3\nDimSize = 80 70 60\nElementType = MET_FLOAT\n"
+                       "ElementDataFile = a_80x70x60_float32.raw\n")
+        si.create(self.samples, self.www("a.bvol"))
+        for name in ("a.nrrd", "packed.nrrd", "a_80x70x60_float32.raw", "a.mhd", "a.bvol"):
+            self.check(name)
+        shutil.copy(GOLDEN_SURFACE, self.www("a.eix"))
+        surface, expected = (si.open_surface(path).isosurface() for path in (f"{self.server.url}/a.eix", GOLDEN_SURFACE))
+        numpy.testing.assert_array_equal(surface.points, expected.points)
+
+    def test_files_of_other_libraries_are_read_by_ranges(self):
+        if nibabel:
+            for name in ("a.nii", "a.nii.gz"):
+                nibabel.save(nibabel.Nifti1Image(self.samples.transpose(), numpy.eye(4)), self.www(name))
+                self.check(name)
+        if mrcfile:
+            with mrcfile.new(self.www("a.mrc")) as file:
+                file.set_data(self.samples)
+            self.check("a.mrc")
+        if tifffile:
+            tifffile.imwrite(self.www("a.tif"), self.samples)
+            self.check("a.tif")
+
+    def test_a_box_of_a_large_file_fetches_a_part_of_it(self):
+        samples = numpy.arange(2**24, dtype="u4").reshape(256, 256, 256)
+        samples.tofile(self.www("a_256x256x256_uint32.raw"))
+        volume = si.open(f"{self.server.url}/a_256x256x256_uint32.raw")
+        numpy.testing.assert_array_equal(volume[128, 10:20, 30:40], samples[128, 10:20, 30:40])
+        self.assertLess(self.server.sent, samples.nbytes / 50)
+
+    def test_files_name_no_others_of_this_machine_or_of_other_servers(self):
+        for number, name in enumerate(("/etc/passwd", f"{self.server.url}/a_8x7x6_uint8.raw")):
+            header = f"ObjectType = Image\nNDims = 3\nDimSize = 8 7 6\nElementType = MET_UCHAR\nElementDataFile = {name}\n"
+            for path in (self.www(f"{number}.mhd"), self.path(f"{number}.mhd")):
+                with open(path, "w") as file:
+                    file.write(header)
+            with self.assertRaisesRegex(FileNotFoundError, f"{self.server.url}/.*has none of this name"):
+                si.open(f"{self.server.url}/{number}.mhd")
+        self.server.forget()
+        os.chdir(self.folder)
+        self.assertRaises(OSError, si.open, "1.mhd")
+        self.assertEqual(self.server.requests, [])
+
+    def test_servers_without_ranges_and_formats_of_local_libraries_are_told(self):
+        samples = numpy.zeros((300, 300, 300), "f4")
+        write_nrrd(self.www("a.nrrd"), samples)
+        self.server.gives_ranges = False
+        self.check_error("the server gives no ranges of bytes; download the file", "a.nrrd")
+        for name, what in (("a.h5", "HDF5"), ("a.nc", "NetCDF"), ("a.dcm", "DICOM")):
+            shutil.copy(self.www("a.nrrd"), self.www(name))
+            self.server.gives_ranges = True
+            self.check_error(f"{what} is read from a disk alone; download it", name)
+
+
+@unittest.skipUnless(zarr and MPIEXEC and BLOCKVOLUME, "needs zarr, mpiexec and blockvolume")
+class Ranks(AddressTest):
+    def test_each_rank_fetches_its_chunks_once(self):
+        samples = make_waves((96, 64, 64))
+        write_array_2(self.www("a.zarr"), samples, (32, 32, 32))
+        volumes = {}
+        for ranks in (1, 3):
+            shutil.rmtree(self.path("cache"), ignore_errors=True)
+            self.server.forget()
+            output = self.path(f"{ranks}.bvol")
+            subprocess.run([MPIEXEC, "--oversubscribe", "-n", str(ranks), BLOCKVOLUME, "--quiet",
+                            "--in-place", f"{self.server.url}/a.zarr", output], check=True)
+            fetched = [path for path, _, code in self.server.requests if code == 206 and path[-1].isdigit()]
+            self.assertEqual(len(set(fetched)), 12)
+            self.assertLessEqual(max(map(fetched.count, fetched)), ranks)
+            volumes[ranks] = si.open(output)
+        numpy.testing.assert_array_equal(volumes[3][...], samples)
+        surfaces = [volume.isosurface(0.3) for volume in volumes.values()]
+        self.assertEqual(*(surface.triangles.shape for surface in surfaces))
 
 
 class Cache(AddressTest):

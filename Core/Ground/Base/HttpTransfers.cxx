@@ -352,7 +352,7 @@ class LostHosts
 public:
   static LostHosts& Get()
   {
-    static LostHosts hosts;
+    static LostHosts& hosts = *new LostHosts; // threads that fetch ahead may outlive others
     return hosts;
   }
   void Add(const std::string& host, const std::string& reason)

@@ -9,10 +9,12 @@
 #include "Ground/Base/ParallelFor.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <thread>
 
 namespace isosurface
 {
@@ -31,6 +33,8 @@ constexpr std::size_t MaximumChecked = 1 << 20;
 constexpr std::chrono::seconds KnownTime{ 10 };
 constexpr std::chrono::seconds CheckedTime{ 60 };
 constexpr int LookingThreads = 16;
+constexpr int MaximumPrefetching = 16;
+std::atomic<int> PrefetchingThreads = 0;
 
 struct ContentRange
 {
@@ -207,6 +211,38 @@ public:
                          : this->FetchExactly(offset, size, bytes);
   }
 
+  /// Has a few threads fetch these bytes, at most as many as are kept.
+  void Prefetch(std::uint64_t offset, std::uint64_t size)
+  {
+    constexpr std::uint64_t most = MaximumRequestBytes / RemotePageBytes;
+    const std::uint64_t last = (this->First.Size + RemotePageBytes - 1) / RemotePageBytes;
+    const std::uint64_t begin = offset / RemotePageBytes;
+    const std::uint64_t stop = (offset + size + RemotePageBytes - 1) / RemotePageBytes;
+    const std::uint64_t end = std::min({ last, stop, begin + MaximumKeptPages / 2 });
+    for (std::uint64_t first = begin; this->IsPaged && first < end; first += most)
+    {
+      const auto load = [self = this->shared_from_this(), first, to = std::min(end, first + most)]
+      {
+        Pages pages;
+        static_cast<void>(self->LoadPages(first, to, pages)); // whoever reads tells the error
+        --PrefetchingThreads;
+      };
+      const bool isFree = ++PrefetchingThreads <= MaximumPrefetching;
+      const Status begun = isFree ? Attempt("",
+                                      [&]
+                                      {
+                                        std::thread(load).detach();
+                                        return Status::Ok();
+                                      })
+                                  : Status(StatusCode::IoError, "");
+      if (!begun.IsOk()) // only a hint
+      {
+        --PrefetchingThreads;
+        return;
+      }
+    }
+  }
+
 private:
   struct Page
   {
@@ -309,28 +345,24 @@ private:
   /// Reads by pages, at most a request's at once. A page that another thread fetches is waited for.
   Status ReadPages(std::uint64_t offset, std::uint64_t size, std::uint8_t* bytes)
   {
-    const std::uint64_t last = (this->First.Size - 1) / RemotePageBytes + 1;
     constexpr std::uint64_t most = MaximumRequestBytes / RemotePageBytes;
+    this->ReadAhead(offset / RemotePageBytes, (offset + size - 1) / RemotePageBytes + 1);
+    if (size > MaximumRequestBytes)
+    {
+      this->Prefetch(offset + MaximumRequestBytes, size - MaximumRequestBytes);
+    }
     while (size > 0)
     {
       const std::uint64_t first = offset / RemotePageBytes;
-      const std::uint64_t wanted = (offset + size - 1) / RemotePageBytes + 1;
-      const std::uint64_t end =
-        std::min(this->ReadAhead(first, wanted), std::min(last, first + most));
-      const Pages pages = this->TakePages(first, end);
-      std::vector<std::unique_lock<std::mutex>> locks;
+      const std::uint64_t end = (offset + size - 1) / RemotePageBytes + 1;
+      Pages pages;
+      ISOSURFACE_RETURN_IF_ERROR(this->LoadPages(first, std::min(end, first + most), pages));
       for (const auto& page : pages)
       {
-        locks.emplace_back(page->Mutex);
-      }
-      ISOSURFACE_RETURN_IF_ERROR(this->FetchMissing(first, pages));
-      for (std::size_t at = 0;
-           at < pages.size() && size > 0 && offset / RemotePageBytes == first + at; ++at)
-      {
         const std::uint64_t within = offset % RemotePageBytes;
-        const std::uint64_t part = std::min<std::uint64_t>(size, pages[at]->Bytes.size() - within);
-        bytes =
-          std::copy_n(pages[at]->Bytes.begin() + static_cast<std::ptrdiff_t>(within), part, bytes);
+        const auto part =
+          static_cast<std::size_t>(std::min<std::uint64_t>(size, page->Bytes.size() - within));
+        bytes = std::copy_n(page->Bytes.begin() + static_cast<std::ptrdiff_t>(within), part, bytes);
         offset += part;
         size -= part;
       }
@@ -338,17 +370,39 @@ private:
     return Status::Ok();
   }
 
-  /// Where a read that goes on from the last one ends: ever farther.
-  std::uint64_t ReadAhead(std::uint64_t first, std::uint64_t end)
+  /// Gives pages with their bytes, which stay as they are from then on.
+  Status LoadPages(std::uint64_t first, std::uint64_t end, Pages& pages)
   {
-    const std::lock_guard<std::mutex> lock(this->Mutex);
-    const bool goesOn = first == this->LastEnd || first + 1 == this->LastEnd;
-    this->Ahead = !goesOn   ? 0
-      : end > this->LastEnd ? std::max<std::uint64_t>(1, 2 * this->Ahead)
-                            : this->Ahead;
-    this->LastEnd = std::max(end, goesOn ? this->LastEnd : 0);
-    return goesOn && this->Ahead > 1 ? end + std::min<std::uint64_t>(this->Ahead, MaximumKeptPages)
-                                     : end;
+    pages = this->TakePages(first, end);
+    std::vector<std::unique_lock<std::mutex>> locks;
+    for (const auto& page : pages)
+    {
+      locks.emplace_back(page->Mutex);
+    }
+    return this->FetchMissing(first, pages);
+  }
+
+  /// Begins to fetch what follows a read that goes on from the last one: ever more.
+  void ReadAhead(std::uint64_t first, std::uint64_t end)
+  {
+    std::uint64_t from = 0;
+    std::uint64_t to = 0;
+    {
+      const std::lock_guard<std::mutex> lock(this->Mutex);
+      const bool goesOn = first == this->LastEnd || first + 1 == this->LastEnd;
+      const bool isNew = end > this->LastEnd;
+      this->LastEnd = goesOn && !isNew ? this->LastEnd : end;
+      this->Ahead = !goesOn ? 0 : isNew ? std::max<std::uint64_t>(1, 2 * this->Ahead) : this->Ahead;
+      this->Ahead = std::min(this->Ahead, MaximumKeptPages / 4);
+      from = std::max(end, goesOn ? this->EndOfAhead : 0);
+      to = end + this->Ahead;
+      if (!goesOn || !isNew || from + this->Ahead / 2 > to)
+      {
+        return;
+      }
+      this->EndOfAhead = to;
+    }
+    this->Prefetch(from * RemotePageBytes, (to - from) * RemotePageBytes);
   }
 
   /// Fetches the pages that have no bytes, those that follow each other by one request.
@@ -392,6 +446,7 @@ private:
   std::map<std::uint64_t, std::shared_ptr<Page>> Kept;
   std::uint64_t Uses = 0;
   std::uint64_t LastEnd = 0;
+  std::uint64_t EndOfAhead = 0;
   std::uint64_t Ahead = 0;
 };
 
@@ -409,6 +464,10 @@ public:
   Status Read(std::uint64_t offset, std::size_t size, void* bytes) const override
   {
     return this->Object->Read(offset, size, static_cast<std::uint8_t*>(bytes));
+  }
+  void Prefetch(std::uint64_t offset, std::uint64_t size) const override
+  {
+    this->Object->Prefetch(offset, size);
   }
   std::uint64_t GetSize() const override { return this->Object->GetFirst().Size; }
   const std::string& GetPath() const override { return this->Object->GetPath(); }
