@@ -33,7 +33,6 @@ struct CurlLibrary
     HeaderFunction = 20079,
     ConnectTimeout = 78,
     NoSignal = 99,
-    Private = 10103,
     OpenSocketFunction = 20163,
     OpenSocketData = 10164,
     UserName = 10173,
@@ -51,7 +50,6 @@ struct CurlLibrary
   enum Information : int
   {
     ResponseCode = 0x200002,
-    PrivateOf = 0x100015,
     RedirectUrl = 0x10001f,
     PrimaryIp = 0x100020
   };
@@ -61,7 +59,8 @@ struct CurlLibrary
     CannotConnect = 7,
     PartialBody = 18,
     WriteError = 23,
-    TimedOut = 28
+    TimedOut = 28,
+    UntrustedServer = 60
   };
   static constexpr int MessageDone = 1;
   static constexpr long HttpAndHttps = 3;

@@ -43,9 +43,6 @@ constexpr int MaximumRedirects = 5;
 /// For so long, a host that cannot be reached is not asked again.
 constexpr std::chrono::seconds HostPause{ 3 };
 
-std::atomic<std::uint64_t> CountedRequests = 0;
-std::atomic<std::uint64_t> CountedBytes = 0;
-
 /// The seconds without a byte after which a server stalls.
 long GetStallSeconds()
 {
@@ -125,7 +122,6 @@ std::size_t TakeBody(const Curl& curl, Transfer& transfer, const char* bytes, st
   answer.IsCut = size > room;
   const std::size_t taken = answer.IsCut ? static_cast<std::size_t>(room) : size;
   answer.Body.insert(answer.Body.end(), bytes, bytes + taken);
-  CountedBytes += taken;
   return answer.IsCut ? 0 : size;
 }
 
@@ -171,10 +167,31 @@ public:
     return true;
   }
 
+  /// Ends the thread before what libcurl uses is cleared away at the end of the process.
+  void Stop()
+  {
+    constexpr std::chrono::seconds longest{ 2 };
+    std::unique_lock<std::mutex> lock(this->Mutex);
+    this->IsStopping = true;
+    static_cast<void>(this->Library.MultiWakeUp(this->Multi));
+    this->Ended.wait_for(lock, longest, [this] { return this->HasStopped; });
+  }
+
 private:
+  bool IsToStop()
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    this->HasStopped = this->IsStopping;
+    if (this->HasStopped)
+    {
+      this->Ended.notify_all();
+    }
+    return this->HasStopped;
+  }
+
   void Run()
   {
-    for (;;)
+    while (!this->IsToStop())
     {
       this->StartWaiting();
       int running = 0;
@@ -209,7 +226,6 @@ private:
       transfer->Easy = this->Library.EasyInit();
       this->SetOptions(*transfer);
       this->Bytes += transfer->Request.MaximumBytes;
-      ++CountedRequests;
       static_cast<void>(this->Library.MultiAdd(this->Multi, transfer->Easy));
       this->Running.insert(transfer);
     }
@@ -218,8 +234,7 @@ private:
   template <typename Value>
   void Set(Transfer& transfer, Curl::Option option, Value value)
   {
-    const int code = this->Library.EasySetOption(transfer.Easy, option, value);
-    transfer.Code = code != 0 ? code : transfer.Code;
+    static_cast<void>(this->Library.EasySetOption(transfer.Easy, option, value));
   }
 
   void SetOptions(Transfer& transfer)
@@ -238,7 +253,6 @@ private:
     this->Set(transfer, Curl::HeaderData, &transfer);
     this->Set(transfer, Curl::WriteFunction, &TransferThread::Write);
     this->Set(transfer, Curl::WriteData, &transfer);
-    this->Set(transfer, Curl::Private, &transfer);
     this->Set(transfer, Curl::OpenSocketFunction, &OpenSocket);
     this->Set(transfer, Curl::OpenSocketData, &transfer);
     this->Set(transfer, Curl::PipeWait, target.Url.compare(0, 6, "https:") == 0 ? 1L : 0L);
@@ -317,7 +331,9 @@ private:
 
   const Curl& Library;
   void* Multi;
-  std::mutex Mutex; ///< of Queue, and of what IsDone
+  std::mutex Mutex; ///< of Queue, of what IsDone, and of these
+  bool IsStopping = false;
+  bool HasStopped = false;
   std::condition_variable Ended;
   std::deque<std::shared_ptr<Transfer>> Queue;
   std::set<std::shared_ptr<Transfer>> Running; ///< the thread's
@@ -334,6 +350,15 @@ Result<TransferThread*> GetTransferThread()
   const std::lock_guard<std::mutex> lock(mutex);
   if (owner != ::getpid())
   {
+    // Behind the functions that libcurl's libraries have called at the end, so called before them.
+    static_cast<void>(std::atexit(
+      []
+      {
+        if (owner == ::getpid())
+        {
+          thread->Stop();
+        }
+      }));
     thread = new TransferThread(*curl); // never destroyed: the process may end while it waits
     owner = ::getpid();
   }
@@ -453,10 +478,11 @@ Result<HttpAnswer> FetchOne(const std::string& name, const HttpRequest& request)
     }
     stalls += transfer->Code == Curl::TimedOut ? 1 : 0;
     const bool isFinal = transfer->IsUnsigned || transfer->IsFlood || request.IsPublic ||
-      transfer->Code == Curl::UnknownHost;
+      transfer->Code == Curl::UnknownHost || transfer->Code == Curl::UntrustedServer;
     if (tries == MaximumTries || stalls > 1 || isFinal)
     {
-      if (!transfer->IsConnected && !request.IsPublic)
+      const bool isUntrusted = transfer->Code == Curl::UntrustedServer;
+      if ((!transfer->IsConnected || isUntrusted) && !request.IsPublic)
       {
         LostHosts::Get().Add(host, fault);
       }
@@ -464,13 +490,12 @@ Result<HttpAnswer> FetchOne(const std::string& name, const HttpRequest& request)
                                  : "the server answers " + std::to_string(answer.Code) + ", " +
             std::to_string(tries) + " times");
     }
-    constexpr long longest = 10; // seconds that a server may ask for
-    const long asked =
-      std::min(longest, std::strtol(answer.Find("retry-after").c_str(), nullptr, 10));
     constexpr std::chrono::milliseconds shortest{ 100 };
+    constexpr long longest = 10; // seconds that a server may ask for
     const std::chrono::milliseconds later = shortest * (1 << (2 * (tries - 1)));
-    if (!Pause(
-          std::max<std::chrono::milliseconds>(later, std::chrono::seconds(std::max(0L, asked)))))
+    const long asked = std::strtol(answer.Find("retry-after").c_str(), nullptr, 10);
+    const std::chrono::seconds wanted{ asked < 0 ? 0 : asked > longest ? longest : asked };
+    if (!Pause(later < wanted ? wanted : later))
     {
       return Status(StatusCode::Aborted, name + ": reading was stopped");
     }
@@ -504,11 +529,6 @@ Result<HttpAnswer> HttpTransfers::Fetch(const std::string& name, HttpRequest req
     request.Target.Url = to;
   }
   return refuse("its redirections do not end");
-}
-
-HttpCounts HttpTransfers::GetCounts()
-{
-  return { CountedRequests, CountedBytes };
 }
 
 } // namespace isosurface

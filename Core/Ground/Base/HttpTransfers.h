@@ -41,13 +41,6 @@ struct HttpAnswer
   }
 };
 
-/// What was fetched since the program began.
-struct HttpCounts
-{
-  std::uint64_t Requests = 0;
-  std::uint64_t Bytes = 0; ///< of bodies
-};
-
 /**
  * Asks servers by HTTP, in parallel: a bounded number of requests and of bytes, over connections that stay
  * open. Broken connections and the codes 429 and 5xx are tried again, later and later; a server that
@@ -60,8 +53,6 @@ public:
   /// Waits for the answer, which may have any code. Any thread may call it. `name`: the address, for
   /// errors. Errors: IoError, Unsupported; Aborted (ReadingStop).
   static Result<HttpAnswer> Fetch(const std::string& name, HttpRequest request);
-
-  static HttpCounts GetCounts();
 };
 
 } // namespace isosurface

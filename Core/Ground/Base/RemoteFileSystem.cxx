@@ -221,7 +221,8 @@ public:
     const std::uint64_t end = std::min({ last, stop, begin + MaximumKeptPages / 2 });
     for (std::uint64_t first = begin; this->IsPaged && first < end; first += most)
     {
-      const auto load = [self = this->shared_from_this(), first, to = std::min(end, first + most)]
+      const std::uint64_t to = first + most < end ? first + most : end;
+      const auto load = [self = this->shared_from_this(), first, to]
       {
         Pages pages;
         static_cast<void>(self->LoadPages(first, to, pages)); // whoever reads tells the error
@@ -356,12 +357,13 @@ private:
       const std::uint64_t first = offset / RemotePageBytes;
       const std::uint64_t end = (offset + size - 1) / RemotePageBytes + 1;
       Pages pages;
-      ISOSURFACE_RETURN_IF_ERROR(this->LoadPages(first, std::min(end, first + most), pages));
+      const std::uint64_t farthest = first + most;
+      ISOSURFACE_RETURN_IF_ERROR(this->LoadPages(first, std::min(end, farthest), pages));
       for (const auto& page : pages)
       {
         const std::uint64_t within = offset % RemotePageBytes;
-        const auto part =
-          static_cast<std::size_t>(std::min<std::uint64_t>(size, page->Bytes.size() - within));
+        const std::uint64_t left = page->Bytes.size() - within;
+        const auto part = static_cast<std::size_t>(std::min(size, left));
         bytes = std::copy_n(page->Bytes.begin() + static_cast<std::ptrdiff_t>(within), part, bytes);
         offset += part;
         size -= part;

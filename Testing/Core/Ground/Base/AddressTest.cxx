@@ -36,7 +36,6 @@ constexpr std::pair<int, int> OursAndTheirs[] = {
   { Curl::HeaderFunction, CURLOPT_HEADERFUNCTION },
   { Curl::ConnectTimeout, CURLOPT_CONNECTTIMEOUT },
   { Curl::NoSignal, CURLOPT_NOSIGNAL },
-  { Curl::Private, CURLOPT_PRIVATE },
   { Curl::OpenSocketFunction, CURLOPT_OPENSOCKETFUNCTION },
   { Curl::OpenSocketData, CURLOPT_OPENSOCKETDATA },
   { Curl::UserName, CURLOPT_USERNAME },
@@ -46,7 +45,6 @@ constexpr std::pair<int, int> OursAndTheirs[] = {
   { Curl::MaximumHostConnections, CURLMOPT_MAX_HOST_CONNECTIONS },
   { Curl::MaximumConnections, CURLMOPT_MAXCONNECTS },
   { Curl::ResponseCode, CURLINFO_RESPONSE_CODE },
-  { Curl::PrivateOf, CURLINFO_PRIVATE },
   { Curl::RedirectUrl, CURLINFO_REDIRECT_URL },
   { Curl::PrimaryIp, CURLINFO_PRIMARY_IP },
   { Curl::UnknownHost, CURLE_COULDNT_RESOLVE_HOST },
@@ -54,6 +52,7 @@ constexpr std::pair<int, int> OursAndTheirs[] = {
   { Curl::PartialBody, CURLE_PARTIAL_FILE },
   { Curl::WriteError, CURLE_WRITE_ERROR },
   { Curl::TimedOut, CURLE_OPERATION_TIMEDOUT },
+  { Curl::UntrustedServer, CURLE_PEER_FAILED_VERIFICATION },
   { Curl::MessageDone, CURLMSG_DONE },
   { Curl::HttpAndHttps, (CURLPROTO_HTTP | CURLPROTO_HTTPS) },
 #  if LIBCURL_VERSION_NUM >= 0x074b00
