@@ -33,6 +33,7 @@ struct CurlLibrary
     HeaderFunction = 20079,
     ConnectTimeout = 78,
     NoSignal = 99,
+    Certificates = 10065,
     OpenSocketFunction = 20163,
     OpenSocketData = 10164,
     UserName = 10173,

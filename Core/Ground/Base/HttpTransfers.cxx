@@ -255,6 +255,11 @@ private:
     this->Set(transfer, Curl::WriteData, &transfer);
     this->Set(transfer, Curl::OpenSocketFunction, &OpenSocket);
     this->Set(transfer, Curl::OpenSocketData, &transfer);
+    // NOLINTNEXTLINE(concurrency-mt-unsafe): nobody sets it meanwhile
+    if (const char* const certificates = std::getenv("SSL_CERT_FILE"))
+    {
+      this->Set(transfer, Curl::Certificates, certificates);
+    }
     this->Set(transfer, Curl::PipeWait, target.Url.compare(0, 6, "https:") == 0 ? 1L : 0L);
     if (!transfer.Request.Range.empty())
     {

@@ -36,6 +36,7 @@ constexpr std::pair<int, int> OursAndTheirs[] = {
   { Curl::HeaderFunction, CURLOPT_HEADERFUNCTION },
   { Curl::ConnectTimeout, CURLOPT_CONNECTTIMEOUT },
   { Curl::NoSignal, CURLOPT_NOSIGNAL },
+  { Curl::Certificates, CURLOPT_CAINFO },
   { Curl::OpenSocketFunction, CURLOPT_OPENSOCKETFUNCTION },
   { Curl::OpenSocketData, CURLOPT_OPENSOCKETDATA },
   { Curl::UserName, CURLOPT_USERNAME },
