@@ -69,6 +69,33 @@ class Errors(unittest.TestCase):
             file.truncate(100000)
         self.check(run([load(plugin)]), "is not loaded", "damaged")
 
+    def test_a_missing_library_is_told(self):
+        plugin = self.copy("no_library")
+        os.remove(os.path.join(os.path.dirname(plugin), "scalable_isosurface", "libscalable_isosurface.so.1"))
+        self.check(run([load(plugin)]), "is not loaded", "libscalable_isosurface.so", "No such file")
+
+    def test_a_library_for_another_processor_is_told(self):
+        plugin = self.copy("processor")
+        with open(os.path.join(os.path.dirname(plugin), "scalable_isosurface", "libscalable_isosurface.so.1"), "r+b") as file:
+            file.seek(18)  # of the header of an ELF: what it is for
+            file.write((183).to_bytes(2, "little"))
+        self.check(run([load(plugin)]), "is not loaded", "aarch64", "x86_64")
+
+    def test_a_paraview_that_is_too_old_is_told(self):
+        plugin = self.copy("old")
+        with open(plugin) as file:
+            text = file.read()
+        with open(plugin, "w") as file:
+            file.write(text.replace("GetVTKMajorVersion() < 9:", "GetVTKMajorVersion() < 99:"))
+        self.check(run([load(plugin)]), "is not loaded", "needs ParaView 5.9 or newer")
+
+    def test_nothing_of_before_is_shown_behind_an_error(self):
+        said = run([load(arguments.plugins[1]), "surface = simple.Isosurface(Input=simple.Wavelet(), Isosurfaces=[150.0])",
+                    "surface.UpdatePipeline()", "surface.ContourBy = ['POINTS', 'Density']", "surface.UpdatePipeline()",
+                    "print(surface.GetDataInformation().GetNumberOfPoints())"])
+        self.assertEqual(said[1:], ["0", "the end"], "\n".join(said))
+        self.assertIn('"Density" to contour', said[0])
+
     def test_a_missing_package_is_told(self):
         plugin = self.copy("missing")
         shutil.rmtree(os.path.join(os.path.dirname(plugin), "scalable_isosurface"))

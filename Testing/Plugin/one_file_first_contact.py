@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The window shows a sample of a file, and then all of it, with the plugin in one file of Python: one_file_window.py.
+"""The window shows a sample of a file, and then all of it, with the plugin in one file of Python; what is saved while a
+coarse surface is shown is the exact one: one_file_window.py.
 
     one_file_first_contact.py --plugins CXX PYTHON --volumes FOLDER --output FOLDER -- PARAVIEW...
 """
@@ -33,4 +34,8 @@ with open(os.path.join(arguments.output, "shown.json")) as file:
 assert done.returncode == 0 and "Traceback" not in done.stderr
 assert shown[0]["index"] == "is being written" and "samples" in shown[0]["shown"], shown[0]
 assert shown[-1] == {"index": "up to date", "shown": "all of it, 161 x 131 x 111", "triangles": 286604, "final": 1}
+with open(os.path.join(arguments.output, "saving.json")) as file:
+    saving = json.load(file)
+print(saving)
+assert saving["final"] == 0 and 0 < saving["coarse"] < saving["saved"] == saving["shown"], saving
 sys.exit(0)

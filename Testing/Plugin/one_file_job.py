@@ -12,7 +12,7 @@ import os
 import shutil
 import sys
 
-from paraview import simple
+from paraview import servermanager, simple
 from vtkmodules.vtkCommonCore import vtkVersion
 
 PLUGIN, VOLUMES, OUTPUT = sys.argv[1:4]
@@ -89,6 +89,37 @@ def report(job, **found):
     print(json.dumps({"job": job, **found}, sort_keys=True), flush=True)
 
 
+def list_proxies():
+    """All that can be made: pairs of a group and a name."""
+    manager = servermanager.ActiveConnection.Session.GetProxyDefinitionManager()
+    found = set()
+    for group in ("sources", "filters", "writers"):
+        iterator = manager.NewSingleGroupIterator(group)
+        iterator.InitTraversal()
+        while not iterator.IsDoneWithTraversal():
+            found.add((group, iterator.GetProxyName()))
+            iterator.GoToNextItem()
+    return found
+
+
+def describe_properties(group, name):
+    """Type, label, place in panels, defaults and documentation of each property."""
+    iterator = servermanager.ProxyManager().GetPrototypeProxy(group, name).NewPropertyIterator()
+    iterator.Begin()
+    found = {}
+    while not iterator.IsAtEnd():
+        one = iterator.GetProperty()
+        text = one.GetDocumentation().GetDescription() if one.GetDocumentation() else ""
+        count = one.GetNumberOfElements() if hasattr(one, "GetElement") else 0
+        defaults = [str(one.GetElement(number)) for number in range(count)]
+        found[iterator.GetKey()] = [one.GetClassName(), one.GetXMLLabel(), one.GetInformationOnly(), one.GetPanelVisibility(),
+                                    defaults, " ".join((text or "").split())]
+        iterator.Next()
+    if name in ("Isosurface", "StabbingContour"):
+        found.pop("Proposal", None)  # the plugin in Python has it for the domain of isovalues
+    return found
+
+
 def make_surfaces(wave, series, vectors):
     """Isosurface with each of its properties."""
     surface = simple.Isosurface(Input=wave)
@@ -152,7 +183,7 @@ def contour_images(wave):
     vectors = simple.XMLImageDataReader(FileName=[find_volume("vectors.vti")])
     cells = simple.PointDatatoCellData(Input=wavelet)
     refined = []
-    if simple.servermanager.ActiveConnection.GetNumberOfDataPartitions() == 1:  # else ParaView's source ends the process
+    if servermanager.ActiveConnection.GetNumberOfDataPartitions() == 1:  # else ParaView's source ends the process
         fractal = simple.HierarchicalFractal(MaximumLevel=2, TwoDimensional=0)
         refined = [("refined images", simple.CellDatatoPointData(Input=fractal),
                     {"ContourBy": ["POINTS", "Fractal Volume Fraction"], "Isosurfaces": [0.5]})]
@@ -239,7 +270,11 @@ def index_files():
 
 
 def main():
+    before = list_proxies()
     simple.LoadPlugin(PLUGIN, remote=True, ns=vars(simple))
+    for group, name in sorted(list_proxies() - before):
+        if name != "DistributeIsosurface":  # of the plugin in C++ alone
+            report(f"properties of {name} ({group})", found=describe_properties(group, name))
     report("VTK", version=100 * vtkVersion.GetVTKMajorVersion() + vtkVersion.GetVTKMinorVersion())
     wave = simple.OpenDataFile(find_volume("wave.bvol"))
     report("arrays", arrays=list(wave.PointArrayStatus))

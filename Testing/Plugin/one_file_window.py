@@ -4,6 +4,7 @@ is exact. ONE_FILE_PLUGIN, ONE_FILE_VOLUME and ONE_FILE_OUTPUT name the plugin, 
 """
 import json
 import os
+import threading
 import time
 import traceback
 
@@ -30,9 +31,51 @@ def look():
         simple.SaveScreenshot(os.path.join(folder, f"shown{len(told)}.png"), view)
     is_exact = shown["final"] and shown["index"] == "up to date"
     if is_exact or time.monotonic() - begin > 120:
-        with open(os.path.join(folder, "shown.json"), "w") as file:
-            json.dump(told, file)
-        os._exit(0 if is_exact else 1)
+        write("shown", told)
+        if not is_exact:
+            os._exit(1)
+        show_coarse()
+
+
+def write(name, found):
+    with open(os.path.join(folder, f"{name}.json"), "w") as file:
+        json.dump(found, file)
+
+
+def count_shown():
+    return simple.GetRepresentation(contour, view).GetRepresentedDataInformation().GetNumberOfCells()
+
+
+def show_coarse():
+    """A surface of another isovalue is coarse first, and the exact one takes its time."""
+    global coarse
+    from scalable_isosurface import _library
+    from scalable_isosurface._plugin import _surfaces
+
+    extract = _library.VolumeFile.extract
+
+    def extract_slowly(*arguments, **named):
+        time.sleep(0 if threading.current_thread() is threading.main_thread() else 5)
+        return extract(*arguments, **named)
+
+    _library.VolumeFile.extract = extract_slowly
+    _surfaces.LARGE = 1000
+    contour.Isosurfaces = [155.0]
+    simple.Render(view)
+    coarse = {"coarse": count_shown(), "final": contour.GetClientSideObject().GetFinal()}
+
+
+def save():
+    """While the window shows the coarse surface; and what it shows then."""
+    if "saved" not in coarse:
+        path = os.path.join(folder, "saved.ply")
+        simple.SaveData(path, proxy=contour)
+        with open(path, "rb") as file:
+            lines = file.read(1000).split(b"\n")
+        coarse["saved"] = next(int(line.split()[2]) for line in lines if line.startswith(b"element face"))
+    elif count_shown() == coarse["saved"] or time.monotonic() - begin > 180:
+        write("saving", {**coarse, "shown": count_shown()})
+        os._exit(0)
 
 
 def at_work(function):
@@ -57,7 +100,7 @@ def at_work(function):
 simple.LoadPlugin(os.environ["ONE_FILE_PLUGIN"], remote=False, ns=vars(simple))
 view = simple.GetActiveViewOrCreate("RenderView")
 interactor = view.GetInteractor()
-reader = contour = None
+reader = contour = coarse = None
 
 
 @at_work
@@ -73,7 +116,7 @@ def go_on():
         simple.Show(contour, view)
         simple.ResetCamera(view)
         simple.Render(view)
-    look()
+    save() if coarse else look()
 
 
 interactor.AddObserver("TimerEvent", go_on)

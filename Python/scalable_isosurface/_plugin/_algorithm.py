@@ -129,7 +129,7 @@ class Algorithm(VTKPythonAlgorithmBase):
         self.ranks = find_ranks()
         self.how = make_how(self)
 
-    #: Whether a window has asked for news (GetNeedsUpdate).
+    #: Whether a window has asked for news of this one (GetNeedsUpdate): not in a script that has just made it.
     polled = False
 
     def GetRefinement(self):

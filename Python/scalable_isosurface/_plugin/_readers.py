@@ -327,10 +327,10 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
             given = os.fsencode(name), axes, os.fsencode(folder)
             memory = self.values["IndexMemory"] * MEBIBYTE
             where = folder or os.path.dirname(os.path.abspath(self.path))
-            if self.ranks is None and (Algorithm.polled or not os.access(where, os.W_OK)):
+            if self.ranks is None and (self.polled or not os.access(where, os.W_OK)):
                 self._failed, self._growing_step = None, step
                 self._growing = _library.GrowingFile(*given, step, memory, self.how, **self.place())
-                self.take(None if Algorithm.polled else 0.1)
+                self.take(None if self.polled else 0.1)
             else:
                 _library.write_index(*given, memory, 0, self.how)
                 self.file = self.open_file(self.place())
@@ -367,7 +367,7 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
 
     def GetNeedsUpdate(self):
         """ParaView's window asks every 100 ms, on the first rank."""
-        Algorithm.polled = True
+        self.polled = True
         if self._growing:
             try:
                 stage, *_ = self.poll()

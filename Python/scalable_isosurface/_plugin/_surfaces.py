@@ -115,6 +115,7 @@ class vtkStabbingContour(Consumer):
         self._summary, self._final = "", 1
         self._work, self._refines = None, False
         self._images = None
+        self._awaited, self._is_unseen = None, False
 
     def GetIslandSummary(self):
         return self._summary
@@ -257,14 +258,15 @@ class vtkStabbingContour(Consumer):
         what is large."""
         wanted = file, repr(request)
         work, self._work = self._work, None
-        if work and work.wanted == wanted and not work.thread.is_alive():
-            self._final = 1
-            return work.take()
+        is_awaited, self._awaited = self._awaited == self.find_change(), None
+        if work and work.wanted == wanted and (is_awaited or not work.thread.is_alive()):
+            self._final, self._is_unseen = 1, not work.is_told
+            return work.take(self.advance)
         if work:
             work.stop()
         refines, self._refines = self._refines, False
         self._final = 1
-        window = Algorithm.polled and self.ranks is None
+        window = self.polled and self.ranks is None
         if (window or self.values["Progressive"]) and not (refines and not window):
             triangles = file.estimate(**request)
             most = min(triangles / 20, request["maximum_triangles"] or triangles)
@@ -276,13 +278,24 @@ class vtkStabbingContour(Consumer):
                 return owner
         return file.extract(0, **request)
 
+    def find_change(self):
+        """Another one when properties or the volume have changed."""
+        return self.GetMTime(), self.find_reader().GetMTime()
+
     def GetNeedsUpdate(self):
         """ParaView's window asks every 100 ms, on the first rank."""
-        Algorithm.polled = True
+        self.polled = True
+        news, self._is_unseen = self._is_unseen, False
         if self._work and self._work.is_done():
+            self._work.is_told = True
             self.Modified()
             return True
-        return False
+        if self._work and not self._awaited:
+            # Views that show the coarse surface are not told, and do not ask. Who asks now, as a writer does, waits for
+            # the exact one.
+            self.Modified()
+            self._awaited = self.find_change()
+        return news
 
 
 class Work:
@@ -294,7 +307,7 @@ class Work:
     def __init__(self, wanted, file, request):
         self.wanted = wanted
         self._made = self._error = None
-        self._stops = False
+        self._stops = self.is_told = False
         how = _library.How(None, lambda _: int(self._stops))
 
         def extract():
@@ -314,7 +327,13 @@ class Work:
     def stop(self):
         self._stops = True
 
-    def take(self):
+    def take(self, advance):
+        """Waits for it."""
+        while self.thread.is_alive():
+            self.thread.join(0.1)
+            if advance(0):
+                self.stop()
+                raise _library.Stopped("The surface is not finished.")
         if self._error:
             raise self._error
         return self._made
