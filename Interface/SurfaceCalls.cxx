@@ -309,8 +309,7 @@ si_result si_volume_write_surface(si_volume* volume, const si_surface_request* r
       const auto given = TakeStructure(coding, "si_coding");
       ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(given.GetStatus()));
       const auto orUsual = [](double number, double usual) { return number > 0 ? number : usual; };
-      const bool isMode =
-        (given->mode == SI_LOSSLESS || given->mode == SI_BOUNDED || given->mode == SI_SMALLEST) &&
+      const bool isMode = given->mode >= SI_LOSSLESS && given->mode <= SI_SMALLEST &&
         (given->profile == 0 || given->profile == 3);
       if (!isMode)
       {
@@ -321,6 +320,14 @@ si_result si_volume_write_surface(si_volume* volume, const si_surface_request* r
       coded.Settings.Mode = static_cast<EdgeIndexMode>(given->mode);
       coded.Settings.MaximumError = orUsual(given->maximum_error, coded.Settings.MaximumError);
       coded.Settings.Profile = static_cast<EdgeIndexProfile>(given->profile);
+      if (given->mode == SI_QUANTIZED)
+      {
+        const auto range = ReadRange(*volume->File, taken.Samples, call.GetProgress());
+        ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(range.GetStatus()));
+        coded.Settings.SetQuantizationRange((*range)[0], (*range)[1]);
+        coded.Settings.QuantizationBits =
+          given->quantization_bits != 0 ? given->quantization_bits : coded.Settings.QuantizationBits;
+      }
       coded.PreviewLevel = given->preview_level;
       coded.ArrayError = given->array_error;
       coded.NormalError =

@@ -479,6 +479,7 @@ extern "C"
   {
     SI_LOSSLESS = 0,
     SI_BOUNDED = 1,  /* points move along their edges by at most maximum_error of its length */
+    SI_QUANTIZED = 2, /* samples are rounded to quantization_bits over the range of their array */
     SI_SMALLEST = 3 /* the smaller of both, block by block */
   };
   typedef struct si_coding
@@ -491,6 +492,7 @@ extern "C"
     double normal_error;   /* of a component; 0 is 0.005, below 0: none */
     int32_t profile;       /* 0: small; 3: working, which is read and written faster, and larger */
     uint64_t memory;       /* bytes that a rank holds before it writes; 0 is 256 MiB */
+    int32_t quantization_bits; /* 2 to 24; 0 is 12 */
   } si_coding;
 
   /* Writes the isosurfaces as an edge-index file (.eix). A file that is there is replaced when the new one is complete.

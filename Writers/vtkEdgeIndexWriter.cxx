@@ -54,9 +54,7 @@ void SetQuantizationRange(const ContourBlocks& blocks, isosurface::EdgeIndexSett
         bounds[1] = static_cast<double>(isosurface::MakeValueOfKey<T>(range.Maximum));
       });
   }
-  settings.QuantizationMinimum = bounds[0];
-  settings.QuantizationMaximum =
-    bounds[1] > bounds[0] ? bounds[1] : bounds[0] + std::max(1.0, std::abs(bounds[0]));
+  settings.SetQuantizationRange(bounds[0], bounds[1]);
 }
 
 Status CheckContour(vtkStabbingContour* contour)

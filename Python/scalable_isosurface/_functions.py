@@ -128,6 +128,7 @@ _make_coding, _ = _sized(
     "si_coding",
     ("mode", c_int32), ("preview_level", c_int32), ("maximum_error", c_double), ("array_error", c_double),
     ("normal_error", c_double), ("profile", c_int32), ("memory", c_uint64),
+    ("quantization_bits", c_int32),
 )  # fmt: skip
 _, _Slice = _sized(
     "si_slice", ("grid", POINTER(_Grid)), ("level", c_size_t), ("values", c_void_p), ("inside", c_void_p)

@@ -135,6 +135,15 @@ class Errors(unittest.TestCase):
                     "surface = simple.Isosurface(Input=tetrahedra, Isosurfaces=[100.0])", "surface.UpdatePipeline()"])
         self.check(said, "the input has a vtkUnstructuredGrid")
 
+    def test_what_images_do_not_have_here_is_told(self):
+        path = os.path.join(arguments.output, "image.eix")
+        said = run([load(arguments.plugins[1]), "surface = simple.Isosurface(Input=simple.Wavelet(), Isosurfaces=[150.0])",
+                    "surface.UpdatePipeline()", f"simple.SaveData({path!r}, proxy=surface)",
+                    "simple.ContourSpectrum(Input=simple.Wavelet()).UpdatePipeline()"])
+        self.assertEqual(len(said), 3, "\n".join(said))
+        self.assertIn("the plugin in C++ alone writes", said[0])
+        self.assertIn("use the plugin in C++", said[1])
+
     def test_an_array_that_is_missing_is_told_with_those_that_are_there(self):
         said = run([load(arguments.plugins[1]), "cells = simple.PointDatatoCellData(Input=simple.Wavelet())",
                     "surface = simple.Isosurface(Input=cells, Isosurfaces=[100.0], ContourBy=['POINTS', 'Density'])",

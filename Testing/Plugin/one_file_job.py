@@ -220,7 +220,11 @@ def write_files(wave):
     surface = simple.Isosurface(Input=wave, Isosurfaces=[150.0, 157.0])
     surface.UpdatePipeline()
     path = os.path.join(OUTPUT, "surface.eix")
-    for name, given in {"eix": {}, "eix, bounded": {"Mode": "Bounded", "Profile": "Working", "WriteNormals": 1}}.items():
+    for name, given in {
+        "eix": {},
+        "eix, bounded": {"Mode": "Bounded", "Profile": "Working", "WriteNormals": 1},
+        "eix, quantized": {"Mode": "Quantized", "QuantizationBits": 9},
+    }.items():
         simple.SaveData(path, proxy=surface, **given)
         reader = simple.OpenDataFile(path)
         reader.UpdatePipeline()

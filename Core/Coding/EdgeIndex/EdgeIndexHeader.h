@@ -10,6 +10,8 @@
 #include "Ground/Volume/GridSides.h"
 #include "Ground/Volume/ValueType.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -51,6 +53,15 @@ struct EdgeIndexSettings
   int QuantizationBits = 12;
   double QuantizationMinimum = 0;
   double QuantizationMaximum = 255;
+  /// That of the samples, NaN without any; some above the minimum if they are all the same.
+  void SetQuantizationRange(double minimum, double maximum)
+  {
+    const bool areThere = minimum <= maximum;
+    this->QuantizationMinimum = areThere ? minimum : 0;
+    this->QuantizationMaximum = minimum < maximum
+      ? maximum
+      : this->QuantizationMinimum + std::max(1.0, std::abs(this->QuantizationMinimum));
+  }
 
   /// For values of a type.
   Quantizer MakeQuantizer(ValueType type, double isovalue) const

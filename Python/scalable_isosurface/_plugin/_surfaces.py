@@ -30,6 +30,9 @@ LARGE = 500000
 class Consumer(Algorithm):
     """Takes the volume of a reader of this file."""
 
+    #: What else there is for other data.
+    in_memory = "For data in memory use ParaView's Slice, Extract Subset or Resample With Dataset"
+
     def find_reader(self, port=0):
         """The reader of an input; None if that has other data."""
         algorithm = self
@@ -45,10 +48,7 @@ class Consumer(Algorithm):
         """The reader, its file, which runs as this filter does, and the time step."""
         reader = self.find_reader()
         if not reader or not reader.file:
-            raise ValueError(
-                f"{type(self).__name__}: the input is no blocked volume or volume in place; the plugin in C++ takes "
-                "data in memory, too"
-            )
+            raise ValueError(f"the input is no blocked volume or volume in place. {self.in_memory}")
         reader.file.how = self.how
         return reader, reader.file, reader.find_step(outputs.GetInformationObject(0))
 
@@ -349,6 +349,8 @@ def end_all_work():
 
 class vtkContourSpectrum(Consumer):
     """What the isosurface of each isovalue is."""
+
+    in_memory = "For data in memory use the plugin in C++"
 
     def __init__(self):
         super().__init__(inputs=1, outputType="vtkTable")

@@ -71,14 +71,15 @@ class vtkEdgeIndexWriter(Writer):
                 "it is clipped or filtered, or save this surface in another format, such as .vtp."
             )
         if not contour.find_reader() or not contour.find_reader().file:
-            raise ValueError("Isosurface has no volume")
+            raise ValueError(
+                "Of surfaces of data in memory the plugin in C++ alone writes an edge-index file: save this surface in "
+                "another format, such as .vtp."
+            )
         return contour
 
     def make_request(self, contour):
         """The volume of Isosurface, and the members of si_surface_request."""
         values, reader = self.values, contour.find_reader()
-        if values["Mode"] == 2:
-            raise ValueError("Quantized is in the plugin in C++ alone: choose Lossless, Bounded or Smallest")
         request = contour.make_request(reader.file, reader.find_step(contour.GetOutputInformation(0)))
         request["normals"] = int(values["WriteNormals"] and request["normals"])
         request["attributes"] = request["attributes"] if values["WriteArrays"] else []
@@ -96,6 +97,7 @@ class vtkEdgeIndexWriter(Writer):
             "normal_error": values["NormalError"] or -1,
             "profile": values["Profile"],
             "memory": values["MemoryLimit"] * MEBIBYTE,
+            "quantization_bits": values["QuantizationBits"],
         }
 
 
