@@ -130,8 +130,8 @@ rm -rf "$input"
 mkdir -p "$input/volumes" "$input/site"
 cp "$wheel" "$zip" "$input"
 cp -r "$build"/Testing/Plugin/Volumes/wave.[!v]* "$build"/Testing/Plugin/Volumes/series.bvol \
-  "$build"/Testing/Plugin/Volumes/.*.bvol.stores "$build"/Testing/Plugin/Volumes/*.vti \
-  "$build"/Testing/Plugin/Volumes/large.zarr "$input/volumes"
+  "$build"/Testing/Plugin/Volumes/.*.bvol.stores "$build"/Testing/Plugin/Volumes/*.vt[im] \
+  "$build"/Testing/Plugin/Volumes/pair "$build"/Testing/Plugin/Volumes/large.zarr "$input/volumes"
 rm -rf "$input"/volumes/*.mhd.bvol "$input"/volumes/.*.mhd.bvol.stores
 "$here/../../Examples/run_main_job.sh" "$build" "$input/volumes/scans" 1 >/dev/null
 python3 -B "$here/write_slices.py" "$input/volumes/wave.raw" 82 76 67 "$input/volumes/slices"
