@@ -210,6 +210,7 @@ int main(int argc, char** argv)
     return End(RunInSandboxAndTell(options));
   }
   const int code = RunAndTell(options, controller);
+  ReleaseStopSignals();
   EndRanks(controller);
   return End(code);
 }

@@ -79,6 +79,13 @@ void CatchStopSignals(const char* tool)
   Catch(SIGXFSZ, SIG_IGN, 0); // a file that may not grow is an error of writing it
 }
 
+void ReleaseStopSignals()
+{
+  ::alarm(0);
+  Catch(SIGINT, SIG_DFL, 0);
+  Catch(SIGTERM, SIG_DFL, 0);
+}
+
 bool IsStopAsked()
 {
   if (StopAsked != 0)

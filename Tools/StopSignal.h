@@ -19,6 +19,10 @@ Status FlushStandardOutput();
 /// file. `tool`: the name for the message.
 void CatchStopSignals(const char* tool);
 
+/// The work has ended, and was told: from now on such a signal ends the process without a word. mpiexec sends
+/// one to ranks that end later than another rank that has failed.
+void ReleaseStopSignals();
+
 /// Whether such a signal arrived. Who is told so must stop.
 bool IsStopAsked();
 
