@@ -197,7 +197,7 @@ def contour_images(wave):
         ("a magnitude", vectors, {"ContourBy": ["POINTS", "Gradient"], "Component": 3, "Isosurfaces": [1.5],
                                   "InterpolatedArrays": ["RTData", "Gradient"]}),
         ("cells", cells, {"ContourBy": ["CELLS", "RTData"]}),
-        ("cells, interpolated", simple.Elevation(Input=cells),
+        ("cells, interpolated", simple.Elevation(Input=cells, LowPoint=[-12, -9, -7], HighPoint=[14, 9, 8]),
          {"ContourBy": ["POINTS", "Elevation"], "Isosurfaces": [0.5], "InterpolatedArrays": ["RTData"]}),
         ("a tree", simple.XMLMultiBlockDataReader(FileName=[find_volume("pair.vtm")]), {}),
         ("two images", simple.GroupDatasets(Input=[wavelet, simple.Wavelet(WholeExtent=[20, 40, -9, 9, -7, 8])]), {}),

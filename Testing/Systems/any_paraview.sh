@@ -30,7 +30,7 @@ run_with_server() {
     kill -0 $server || return 1
     sleep 1
   done
-  timeout 150 "$@" --server localhost:11199 || {
+  timeout 150 "$@" --server 127.0.0.1:11199 || {
     kill $server
     return 1
   }
