@@ -210,7 +210,7 @@ TEST(MessageMemory, TheRoundsOfAnEdgeIndexFileFailOnAllRanks)
 {
   const CommonFolder folder;
   const std::string path = folder.GetPath("surface.eix");
-  const SampleVolume<std::uint8_t> volume = MakeMessageVolume({ 90, 80, 70 });
+  const SampleVolume<std::uint8_t> volume = MakeMessageVolume({ 150, 130, 110 }); // more than FewBytes
   FileSystem& files = GetLocalFileSystem();
   ForEachBuffer(path, 1,
     [&](Communicator& ranks)
