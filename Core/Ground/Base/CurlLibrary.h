@@ -57,7 +57,6 @@ struct CurlLibrary
   enum Code : int
   {
     UnknownHost = 6,
-    CannotConnect = 7,
     PartialBody = 18,
     WriteError = 23,
     TimedOut = 28,

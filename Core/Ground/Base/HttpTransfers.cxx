@@ -64,6 +64,7 @@ struct Transfer
   std::uint64_t Limit = 0; ///< of the body, known with the first byte of it
   int Code = 0;            ///< of libcurl
   bool IsFlood = false;
+  bool IsRefused = false;  ///< whether a private address is not followed
   bool IsUnsigned = false; ///< whether libcurl cannot sign it
   bool IsConnected = false;
   bool IsDone = false;
@@ -127,10 +128,13 @@ std::size_t TakeBody(const Curl& curl, Transfer& transfer, const char* bytes, st
 
 int OpenSocket(void* user, int /*purpose*/, Curl::SocketAddress* address)
 {
-  const auto& transfer = *static_cast<const Transfer*>(user);
-  return transfer.Request.IsPublic && IsPrivateAddress(address->Address)
-    ? -1
-    : ::socket(address->Family, address->Type | SOCK_CLOEXEC, address->Protocol);
+  auto& transfer = *static_cast<Transfer*>(user);
+  if (transfer.Request.IsPublic && IsPrivateAddress(address->Address))
+  {
+    transfer.IsRefused = true;
+    return -1;
+  }
+  return ::socket(address->Family, address->Type | SOCK_CLOEXEC, address->Protocol);
 }
 
 /// The thread of all transfers, and what waits for it.
@@ -305,6 +309,7 @@ private:
     answer.Redirect = redirect ? redirect : "";
     transfer->IsConnected = server && *server;
     answer.IsPrivate = server && IsPrivateAddress(std::string(server));
+    transfer->IsRefused = transfer->IsRefused || (transfer->Request.IsPublic && answer.IsPrivate);
     this->End(found);
     const std::lock_guard<std::mutex> lock(this->Mutex);
     transfer->IsDone = true;
@@ -428,8 +433,7 @@ std::string FindFault(const Curl& curl, const Transfer& transfer)
   {
     return "the server sends a header without an end";
   }
-  if (transfer.Request.IsPublic &&
-    (transfer.Answer.IsPrivate || transfer.Code == Curl::CannotConnect))
+  if (transfer.IsRefused)
   {
     return "a public server redirects to a private address, which is not followed";
   }
@@ -482,12 +486,12 @@ Result<HttpAnswer> FetchOne(const std::string& name, const HttpRequest& request)
       return std::move(answer);
     }
     stalls += transfer->Code == Curl::TimedOut ? 1 : 0;
-    const bool isFinal = transfer->IsUnsigned || transfer->IsFlood || request.IsPublic ||
+    const bool isFinal = transfer->IsUnsigned || transfer->IsFlood || transfer->IsRefused ||
       transfer->Code == Curl::UnknownHost || transfer->Code == Curl::UntrustedServer;
     if (tries == MaximumTries || stalls > 1 || isFinal)
     {
       const bool isUntrusted = transfer->Code == Curl::UntrustedServer;
-      if ((!transfer->IsConnected || isUntrusted) && !request.IsPublic)
+      if ((!transfer->IsConnected || isUntrusted) && !transfer->IsRefused)
       {
         LostHosts::Get().Add(host, fault);
       }

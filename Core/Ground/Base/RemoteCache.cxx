@@ -137,7 +137,9 @@ std::optional<RemotePart> RemoteCache::Find(const std::string& key)
   }
   const auto number = [&bytes](std::size_t at)
   { return LoadLittleEndian<std::uint64_t>(bytes.data() + at * sizeof(std::uint64_t)); };
-  const std::uint64_t sizes = number(2) + number(3) + number(7);
+  const std::uint64_t most = bytes.size();
+  const std::uint64_t sizes =
+    std::min(number(2), most) + std::min(number(3), most) + std::min(number(7), most);
   const bool isWhole = number(0) == PartMagic &&
     number(1) ==
       ComputeChecksum(

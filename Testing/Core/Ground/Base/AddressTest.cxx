@@ -49,7 +49,6 @@ constexpr std::pair<int, int> OursAndTheirs[] = {
   { Curl::RedirectUrl, CURLINFO_REDIRECT_URL },
   { Curl::PrimaryIp, CURLINFO_PRIMARY_IP },
   { Curl::UnknownHost, CURLE_COULDNT_RESOLVE_HOST },
-  { Curl::CannotConnect, CURLE_COULDNT_CONNECT },
   { Curl::PartialBody, CURLE_PARTIAL_FILE },
   { Curl::WriteError, CURLE_WRITE_ERROR },
   { Curl::TimedOut, CURLE_OPERATION_TIMEDOUT },
