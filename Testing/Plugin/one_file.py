@@ -80,6 +80,12 @@ def main():
     found = others[0] if others else expected
     if arguments.plugins[0].endswith(".json") and find_kind_of_surfaces(expected) != find_kind_of_surfaces(found):
         leave_out([expected, found], ("Normals", "polygons", "lines"))
+    if arguments.plugins[0].endswith(".json") and expected["VTK"] != found.get("VTK"):
+        for jobs in (expected, found):
+            jobs.pop("refined images in memory", None)  # stock's source makes others in each release
+    if found.get("VTK", {}).get("version") == 900:  # ParaView 5.9 keeps the base proxy's property
+        for jobs in (expected, found):
+            jobs.get("properties of AddressVolume (sources)", {"found": {}})["found"].pop("FileName", None)
     for jobs in (expected, found):
         jobs.pop("VTK", None)
     different = [job for job in expected if not is_same(expected[job], found.get(job, {}))]

@@ -276,9 +276,10 @@ def index_files():
 def main():
     before = list_proxies()
     simple.LoadPlugin(PLUGIN, remote=True, ns=vars(simple))
-    for group, name in sorted(list_proxies() - before):
-        if name != "DistributeIsosurface":  # of the plugin in C++ alone
-            report(f"properties of {name} ({group})", found=describe_properties(group, name))
+    if servermanager.ActiveConnection.GetNumberOfDataPartitions() == 1:  # several may have loaded the plugin before
+        for group, name in sorted(list_proxies() - before):
+            if name != "DistributeIsosurface":  # of the plugin in C++ alone
+                report(f"properties of {name} ({group})", found=describe_properties(group, name))
     report("VTK", version=100 * vtkVersion.GetVTKMajorVersion() + vtkVersion.GetVTKMinorVersion())
     wave = simple.OpenDataFile(find_volume("wave.bvol"))
     report("arrays", arrays=list(wave.PointArrayStatus))

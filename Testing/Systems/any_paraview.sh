@@ -104,7 +104,7 @@ if [ "$1" = inside ]; then # a root folder
     cp -r "$volumes/$(echo $volume | cut -d / -f 1)" "$folder"
     check "first-contact-$(basename $volume)" env ONE_FILE_PLUGIN="$plugin" ONE_FILE_VOLUME="$folder/$volume" \
       ONE_FILE_OUTPUT="$folder" xvfb-run -a -s -noreset \
-      timeout 200 paraview --dr --script="$plugin_tests/one_file_window.py"
+      timeout 200 paraview --disable-registry --script="$plugin_tests/one_file_window.py"
   done
   check damaged-library refuses_damaged_library
   check wheel env PYTHONPATH= "$here/../Install/use_wheel.sh" "$input"/*.whl

@@ -157,10 +157,10 @@ def find_whole(image, info):
 
 
 def find_flags(array, count, bits):
-    """Whether any of the bits is set, for each of `count`; None if none is set."""
+    """Whether any of the bits is set, a byte for each of `count`; None if none is set."""
     if not array or array.GetNumberOfValues() != count:
         return None
-    flags = numpy_support.vtk_to_numpy(array) & bits
+    flags = ((numpy_support.vtk_to_numpy(array) & int(bits)) != 0).astype(numpy.uint8)
     return flags if flags.any() else None
 
 
