@@ -5,6 +5,7 @@
 """
 import argparse
 import os
+import pathlib
 import re
 import shutil
 import subprocess
@@ -15,16 +16,44 @@ from one_file import SITE
 
 arguments = None
 
+#: Run by pvbatch: each line of its input names a script, which a copy of the process runs. Nothing is loaded twice.
+SESSION = """import os, sys, traceback
+from paraview import simple
+for script in map(str.rstrip, iter(sys.stdin.readline, "")):
+    child = os.fork()
+    if child == 0:
+        for descriptor, kind in (1, ".out"), (2, ".err"):
+            os.dup2(os.open(script + kind, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), descriptor)
+        try:
+            exec(open(script).read(), {})
+        except Exception:
+            traceback.print_exc()
+        sys.stdout.flush()
+        os._exit(0)
+    print(os.waitpid(child, 0)[1], flush=True)
+"""
 
-def run(lines, **environment):
-    """What pvbatch says of a script, its lines without ParaView's own decoration."""
+
+def start(site):
+    """pvbatch with the session above."""
+    script = os.path.join(arguments.output, "session.py")
+    with open(script, "w") as file:
+        file.write(SESSION)
+    return subprocess.Popen([*arguments.program, script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                            env={**os.environ, "PYTHONPATH": site})
+
+
+def run(lines, session=None):
+    """What a session of pvbatch says of a script, its lines without ParaView's own decoration."""
+    session = session or arguments.session
     script = os.path.join(arguments.output, "script.py")
     with open(script, "w") as file:
         file.write("import sys\nfrom paraview import simple\n" + "\n".join(lines) + "\nprint('the end')\n")
-    done = subprocess.run([*arguments.program, script], capture_output=True, text=True, timeout=300,
-                          env={**os.environ, "PYTHONPATH": arguments.site, **environment})
-    said = [line for line in re.sub(r"\x1b\[[0-9;]*m", "", done.stderr + done.stdout).splitlines() if line.strip()]
-    return said
+    session.stdin.write(script + "\n")
+    session.stdin.flush()
+    assert session.stdout.readline() == "0\n"
+    said = "".join(pathlib.Path(script + kind).read_text() for kind in (".err", ".out"))
+    return [line for line in re.sub(r"\x1b\[[0-9;]*m", "", said).splitlines() if line.strip()]
 
 
 def load(path):
@@ -111,7 +140,9 @@ class Errors(unittest.TestCase):
         os.makedirs(hidden)
         with open(os.path.join(hidden, "sitecustomize.py"), "w") as file:
             file.write(SITE + "import sys\nsys.modules['numpy'] = None\n")
-        said = run([load(self.copy("bare"))], PYTHONPATH=hidden)
+        with start(hidden) as session:
+            said = run([load(self.copy("bare"))], session)
+            session.stdin.close()
         self.check([line for line in said if "ScalableIsosurface" in line or line == "the end"], "NumPy")
 
     def test_the_plugin_in_cxx_that_is_loaded_first_wins(self):
@@ -164,4 +195,7 @@ if __name__ == "__main__":
     os.makedirs(arguments.site)
     with open(os.path.join(arguments.site, "sitecustomize.py"), "w") as file:
         file.write(SITE)
-    unittest.main(argv=sys.argv[:1])
+    with start(arguments.site) as arguments.session:
+        done = unittest.main(argv=sys.argv[:1], exit=False)
+        arguments.session.stdin.close()
+    sys.exit(not done.result.wasSuccessful())

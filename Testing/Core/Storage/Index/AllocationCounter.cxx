@@ -5,15 +5,6 @@
 #include <cstdlib>
 #include <new>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#  define ISOSURFACE_SANITIZED
-#elif defined(__has_feature)
-#  if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || \
-    __has_feature(memory_sanitizer)
-#    define ISOSURFACE_SANITIZED
-#  endif
-#endif
-
 namespace
 {
 
@@ -24,15 +15,6 @@ std::atomic<std::ptrdiff_t> Peak(0);
 
 namespace isosurface
 {
-
-bool AllocationCounter::IsCounting()
-{
-#ifdef ISOSURFACE_SANITIZED
-  return false;
-#else
-  return true;
-#endif
-}
 
 void AllocationCounter::Reset()
 {
@@ -46,8 +28,6 @@ std::size_t AllocationCounter::GetPeak()
 }
 
 } // namespace isosurface
-
-#ifndef ISOSURFACE_SANITIZED
 
 namespace
 {
@@ -109,5 +89,3 @@ void operator delete[](void* memory, std::size_t) noexcept
 {
   Free(memory);
 }
-
-#endif

@@ -9,13 +9,11 @@ namespace isosurface
 
 /**
  * Counts the bytes that operator new has given out, in all of the test program: an oracle for byte
- * budgets that knows nothing of who keeps them. Sanitizers bring an operator new of their own;
- * there it counts nothing and says so.
+ * budgets that knows nothing of who keeps them.
  */
 class AllocationCounter
 {
 public:
-  static bool IsCounting();
   /// Begins anew: what is allocated now counts as nothing.
   static void Reset();
   /// The most bytes at a time since Reset().

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "AllocationCounter.h"
 #include "Fixtures/Require.h"
 #include "Fixtures/ResealedPages.h"
 #include "Ground/Base/Checksum.h"
 #include "IntervalSets.h"
-
-#include <filesystem>
-
-#include <unistd.h>
 
 using namespace isosurface;
 
@@ -15,75 +10,6 @@ namespace
 {
 
 constexpr std::size_t SmallMemory = ExternalIntervalTreeBuilder::MinimumMemoryLimit;
-
-/// A folder on the local disk, removed at the end of the test.
-class TemporaryFolder
-{
-public:
-  TemporaryFolder()
-    : Path(testing::TempDir() + "isosurface-index-" + std::to_string(::getpid()))
-  {
-    EXPECT_TRUE(GetLocalFileSystem().MakeDirectories(this->Path).IsOk());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(this->Path); }
-  const std::string Path;
-};
-
-/// Builds a tree of synthetic intervals within the limit; checks memory, leftovers and the tree.
-void CheckMemory(std::uint32_t count, std::size_t memoryLimit)
-{
-  TemporaryFolder folder;
-  const std::string path = folder.Path + "/tree";
-  const auto make = [](std::uint32_t index)
-  {
-    // Intervals of any length at any place, a function of the index.
-    const auto mix = [](std::uint64_t x)
-    {
-      x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-      x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-      return x ^ (x >> 31);
-    };
-    const std::uint64_t first = mix(index + 1), second = mix(first);
-    const ValueKey minimum = first >> (second % 40);
-    return KeyInterval{ minimum,
-      minimum + std::min(MaximumKey - minimum, mix(second) >> (second / 64 % 40)), index };
-  };
-  AllocationCounter::Reset();
-  {
-    ExternalIntervalTreeBuilder builder(GetLocalFileSystem(), path, memoryLimit);
-    for (std::uint32_t index = 0; index < count; ++index)
-    {
-      const Status added = builder.Add(make(index));
-      ASSERT_TRUE(added.IsOk()) << added.GetMessage();
-    }
-    const Status finished = builder.Finish();
-    ASSERT_TRUE(finished.IsOk()) << finished.GetMessage();
-  }
-  testing::Test::RecordProperty("PeakBytes", std::to_string(AllocationCounter::GetPeak()));
-  EXPECT_LE(AllocationCounter::GetPeak(), memoryLimit);
-  EXPECT_EQ((*GetLocalFileSystem().List(folder.Path)).size(), 1u) << "a temporary file is left";
-
-  auto tree = Require(ExternalIntervalTree::Open(GetLocalFileSystem(), path, 0));
-  EXPECT_EQ(tree->GetCount(), count);
-  std::vector<bool> seen(count, false);
-  bool right = true;
-  const auto visit = [&](const KeyInterval& interval)
-  {
-    const KeyInterval expected = make(interval.Payload);
-    right = right && interval.Payload < count && !seen[interval.Payload] &&
-      interval.Minimum == expected.Minimum && interval.Maximum == expected.Maximum;
-    seen[interval.Payload] = true;
-  };
-  PageStatistics statistics;
-  const ValueKey key = make(count / 2).Minimum;
-  ASSERT_TRUE(tree->FindStabbed(key, visit, statistics).IsOk());
-  EXPECT_TRUE(right);
-  for (std::uint32_t index = 0; index < count; ++index)
-  {
-    const KeyInterval interval = make(index);
-    ASSERT_EQ(seen[index], interval.Minimum <= key && key <= interval.Maximum);
-  }
-}
 
 } // namespace
 
@@ -135,30 +61,6 @@ TEST(ExternalIntervalTreeBuilder, IntervalsThatFitInMemoryNeedNoTemporaryFile)
     ASSERT_TRUE(WriteTree(disk, "tree", set.MakeAll(SmallMemory / 240 - 1), SmallMemory).IsOk());
     EXPECT_EQ(disk.GetCreatedFiles(), 1u) << set.Name;
   }
-}
-
-TEST(ExternalIntervalTreeBuilder, AMillionIntervalsAreBuiltWithinFourMebibytes)
-{
-  if (!AllocationCounter::IsCounting())
-  {
-    GTEST_SKIP() << "sanitizers have an operator new of their own";
-  }
-  CheckMemory(1000000, std::size_t(4) << 20);
-}
-
-TEST(ExternalIntervalTreeBuilder, TheMinimumMemoryLimitIsKept)
-{
-  if (!AllocationCounter::IsCounting())
-  {
-    GTEST_SKIP() << "sanitizers have an operator new of their own";
-  }
-  CheckMemory(100000, SmallMemory);
-}
-
-// Takes about a minute and 2 GB of disk: run with --gtest_also_run_disabled_tests.
-TEST(ExternalIntervalTreeBuilder, DISABLED_TenMillionIntervalsAreBuiltWithin32Mebibytes)
-{
-  CheckMemory(10000000, std::size_t(32) << 20);
 }
 
 TEST(ExternalIntervalTreeBuilder, AFailingDiskGivesAnErrorAndLeavesNoFile)

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "AllocationCounter.h"
 #include "Fixtures/LongTests.h"
 #include "Fixtures/Require.h"
 #include "IntervalSets.h"
@@ -23,109 +22,6 @@ TreePointer MakeTree(MemoryDisk& disk, const IntervalVector& intervals,
   auto tree = ExternalIntervalTree::Open(disk, "tree", cacheBytes);
   EXPECT_TRUE(tree.IsOk()) << tree.GetStatus().GetMessage();
   return tree.IsOk() ? std::move(*tree) : nullptr;
-}
-
-/// Counts answers from sorted endpoints: the intervals that neither end below nor begin above the
-/// query.
-class AnswerCounter
-{
-public:
-  explicit AnswerCounter(const IntervalVector& intervals)
-  {
-    for (const KeyInterval& interval : intervals)
-    {
-      this->Minima.push_back(interval.Minimum);
-      this->Maxima.push_back(interval.Maximum);
-    }
-    std::sort(this->Minima.begin(), this->Minima.end());
-    std::sort(this->Maxima.begin(), this->Maxima.end());
-  }
-  std::uint64_t Count(ValueKey low, ValueKey high) const
-  {
-    const auto begun = std::upper_bound(this->Minima.begin(), this->Minima.end(), high);
-    const auto ended = std::lower_bound(this->Maxima.begin(), this->Maxima.end(), low);
-    return static_cast<std::uint64_t>(
-      (begun - this->Minima.begin()) - (ended - this->Maxima.begin()));
-  }
-
-private:
-  std::vector<ValueKey> Minima, Maxima;
-};
-
-/// The maximum costs measured, as fractions of the bounds.
-struct Worst
-{
-  double Stabbing = 0;    // page reads / (7 log_B max(N, B) + 2 T/B)
-  double Overlapping = 0; // page reads / (15 log_B max(N, B) + 6 T/B)
-  double Pages = 0;       // (pages - 2) B / N
-};
-
-void CheckBounds(
-  const IntervalSet& set, std::uint64_t count, int queries, std::uint32_t pageSize, Worst& worst)
-{
-  MemoryDisk disk;
-  const IntervalVector intervals = set.MakeAll(count);
-  const TreePointer tree = MakeTree(disk, intervals, pageSize);
-  ASSERT_TRUE(tree);
-  const AnswerCounter counter(intervals);
-  const double n = static_cast<double>(count);
-  const double b = tree->GetRecordsPerPage();
-  const double s = 2 * std::floor(std::sqrt(b));
-  const double logarithm = std::log(std::max(n, b)) / std::log(b);
-  double height = 0;
-  for (double leaves = b; leaves < n; leaves *= s)
-  {
-    ++height;
-  }
-  EXPECT_LE(static_cast<double>(tree->GetPageCount()), 16 * n / b + 2) << set.Name << " " << count;
-  if (count > 10 * b)
-  {
-    worst.Pages = std::max(worst.Pages, static_cast<double>(tree->GetPageCount() - 2) * b / n);
-  }
-
-  std::mt19937_64 random(count);
-  std::uint64_t found = 0;
-  const auto visit = [&found](const KeyInterval&) { ++found; };
-  for (int query = 0; query < queries; ++query)
-  {
-    ValueKey low = MakeQueryKey(intervals, random);
-    PageStatistics statistics;
-    found = 0;
-    ASSERT_TRUE(tree->FindStabbed(low, visit, statistics).IsOk());
-    ASSERT_EQ(found, counter.Count(low, low)) << set.Name << " " << count << " at " << low;
-    double t = static_cast<double>(found);
-    double reads = static_cast<double>(statistics.PageReads);
-    ASSERT_LE(reads, 1 + 4 * height + 2 * t / b) << set.Name << " " << count << " at " << low;
-    ASSERT_LE(reads, 7 * logarithm + 2 * t / b) << set.Name << " " << count << " at " << low;
-    if (found == 0)
-    {
-      ASSERT_LE(reads, height + 1) << set.Name << " " << count << " at " << low;
-    }
-    worst.Stabbing = std::max(worst.Stabbing, reads / (7 * logarithm + 2 * t / b));
-
-    ValueKey high = MakeQueryKey(intervals, random);
-    if (low > high)
-    {
-      std::swap(low, high);
-    }
-    statistics = PageStatistics();
-    found = 0;
-    ASSERT_TRUE(tree->FindOverlapping(low, high, visit, statistics).IsOk());
-    ASSERT_EQ(found, counter.Count(low, high)) << set.Name << " " << count;
-    t = static_cast<double>(found);
-    reads = static_cast<double>(statistics.PageReads);
-    ASSERT_LE(reads, 2 + 9 * height + 6 * t / b) << set.Name << " " << count;
-    ASSERT_LE(reads, 15 * logarithm + 6 * t / b) << set.Name << " " << count;
-    worst.Overlapping = std::max(worst.Overlapping, reads / (15 * logarithm + 6 * t / b));
-    query += static_cast<int>(found / 20000); // fewer queries if the answers are large
-  }
-}
-
-void Record(const Worst& worst)
-{
-  testing::Test::RecordProperty("StabbingShareOfBound", std::to_string(worst.Stabbing));
-  testing::Test::RecordProperty("OverlappingShareOfBound", std::to_string(worst.Overlapping));
-  testing::Test::RecordProperty("PagesPerFullPageOfIntervals", std::to_string(worst.Pages));
 }
 
 } // namespace
@@ -224,42 +120,6 @@ TEST(ExternalIntervalTree, AnEmptyRangeOverlapsNothing)
                   8, 7, [&](const KeyInterval&) { ++found; }, statistics)
                 .IsOk());
   EXPECT_EQ(found, 0);
-}
-
-TEST(ExternalIntervalTree, PageReadsAndPagesStayWithinTheirBounds)
-{
-  if (!AllocationCounter::IsCounting())
-  {
-    GTEST_SKIP() << "takes minutes with sanitizers, which do not change the numbers of pages";
-  }
-  Worst worst;
-  for (const IntervalSet& set : MakeIntervalSets())
-  {
-    for (const std::uint64_t count : { 0, 1, 2, 203, 204, 205, 408, 409, 1000, 5712, 5713, 30000 })
-    {
-      CheckBounds(set, count, LongTests ? 200 : 50, 4096, worst);
-    }
-    CheckBounds(set, 100000, 100, 4096, worst);
-    CheckBounds(set, 50000, 50, 16384, worst);
-  }
-  Record(worst);
-}
-
-TEST(ExternalIntervalTree, PageReadsOfAMillionIntervalsStayWithinTheirBounds)
-{
-  if (!AllocationCounter::IsCounting())
-  {
-    GTEST_SKIP() << "takes minutes with sanitizers, which do not change the numbers of pages";
-  }
-  Worst worst;
-  for (const IntervalSet& set : MakeIntervalSets())
-  {
-    if (set.Name == "AnyToAny" || set.Name == "AllScales" || set.Name == "MostlyBackground")
-    {
-      CheckBounds(set, 1000003, 200, 4096, worst);
-    }
-  }
-  Record(worst);
 }
 
 TEST(ExternalIntervalTree, TheCacheSavesReadsWithinItsBudget)

@@ -271,7 +271,6 @@ TEST_F(BlockedVolumeCrash, IsCleanedBehindWithoutAnotherRun)
   EXPECT_TRUE(this->Holds(after));
 }
 
-#if !defined(__SANITIZE_ADDRESS__) // it opens pipes to look at memory
 TEST_F(BlockedVolumeCrash, HasMoreStoresThanThereAreDescriptors)
 {
   const Index3 size = { 150, 130, 110 };
@@ -293,7 +292,6 @@ TEST_F(BlockedVolumeCrash, HasMoreStoresThanThereAreDescriptors)
     }));
   EXPECT_EQ(outcome, 0);
 }
-#endif
 
 TEST_F(BlockedVolumeCrash, RefusesASecondWriterUntilTheFirstOneIsGone)
 {
@@ -333,7 +331,6 @@ TEST_F(BlockedVolumeCrash, RefusesASecondWriterUntilTheFirstOneIsGone)
   ::close(ready[1]);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // it takes memory of its own
 namespace
 {
 
@@ -395,4 +392,3 @@ TEST_F(BlockedVolumeCrash, KeepsItsMemoryWithinTheLimit)
     }
   }
 }
-#endif
