@@ -138,7 +138,7 @@ python3 -B "$here/write_slices.py" "$input/volumes/wave.raw" 82 76 67 "$input/vo
 echo 'import inspect; inspect.getargspec = inspect.getfullargspec' >"$input/site/sitecustomize.py"
 for ranks in 1 3; do
   xvfb-run -a -s -noreset python3 -B "$plugin_tests/one_file.py" --save "$input/expected$ranks.json" \
-    --plugins "$(find "$build" -name ScalableIsosurface.so | head -n 1)" \
+    --plugins "$(find "$build/lib" -name ScalableIsosurface.so | head -n 1)" \
     --volumes "$input/volumes" --output "$input/output" -- mpirun --oversubscribe -n "$ranks" pvbatch
 done
 rm -rf "$input/output"
