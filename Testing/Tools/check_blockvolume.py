@@ -47,7 +47,7 @@ class WritesWhatTheWriterWrites(Case):
             # vtkNIFTIImageReader ignores the origin of the qform, blockvolume does not.
             geometry = {"a.tif": ["--spacing", "0.5,0.7500000178813938,0.5"],
                         "a.nii.gz": ["--origin", "0,0,0"]}.get(name, [])
-            for ranks in (1, 2, 3):
+            for ranks in (1, 3):
                 with self.subTest(name=name, ranks=ranks):
                     path = self.write(source, "o.bvol", "--stores", "3", *geometry, ranks=ranks)
                     self.assert_equal_volumes(path, source + ".bvol")

@@ -23,15 +23,21 @@ struct Frame
   std::array<double, 9> Direction;
 };
 
-// All ways in which axes may be permuted and mirrored, and negative spacings; and a turned grid.
+// All ways in which axes may be permuted and mirrored, by the direction, the spacing or both; and a turned grid.
 std::vector<Frame> ListFrames()
 {
   std::vector<Frame> frames;
   std::array<std::size_t, 3> axes{ 0, 1, 2 };
   do
   {
-    for (unsigned signs = 0; signs < 64; ++signs)
+    for (unsigned mirrored = 0; mirrored < 8; ++mirrored)
     {
+      // Every second permutation mirrors by the spacing what the others mirror by the direction; the last
+      // does both.
+      const unsigned order = static_cast<unsigned>(frames.size() / 8);
+      const unsigned signs = order == 5 ? mirrored | ((mirrored * 3) & 7) << 3
+        : order % 2 == 0                ? mirrored
+                                        : mirrored << 3;
       Frame frame{ std::to_string(signs), { 1, 2, 0.5 }, {} };
       for (std::size_t axis = 0; axis < 3; ++axis)
       {
