@@ -2,9 +2,11 @@
 #include "Interface/VolumeHandle.h"
 
 #include "Formats/Files/StoredVolume.h"
+#include "Formats/Indexing/FetchBudget.h"
 #include "Formats/Indexing/GrowingIndex.h"
 #include "Formats/Indexing/SourceSampler.h"
 
+#include <memory>
 #include <utility>
 
 using namespace isosurface;
@@ -25,11 +27,15 @@ namespace isosurface
 namespace
 {
 
-SourceIndex FindIndex(const std::string& name, const OpeningChoice& choice)
+Result<SourceIndex> FindIndex(
+  const std::string& name, const si_opening* opening, OpeningChoice& choice)
 {
-  SourceIndex index =
-    SourceIndex::Find(GetLocalFileSystem(), name, "", choice.Axes, choice.IndexFolder);
-  index.Place = choice.Place;
+  ISOSURFACE_ASSIGN_OR_RETURN(choice, TakeOpening(opening));
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto taken, TakeStructure(opening, "si_opening"));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto index,
+    SourceIndex::FindPartOf(GetLocalFileSystem(), name, "", choice.Axes, choice.IndexFolder,
+      choice.Place, choice.Bounds));
+  index.Fetching = std::make_shared<FetchBudget>(taken.fetch_budget);
   return index;
 }
 
@@ -101,14 +107,14 @@ si_result si_write_index(
   return RunCall(ToText(name), run,
     [&](Call& call) -> Status
     {
-      const auto choice = TakeOpening(opening);
-      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(choice.GetStatus()));
-      const SourceIndex index = FindIndex(ToText(name), *choice);
-      ISOSURFACE_ASSIGN_OR_RETURN(const auto isWanted, IsWanted(call.GetRanks(), index));
+      OpeningChoice choice;
+      const auto index = FindIndex(ToText(name), opening, choice);
+      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(index.GetStatus()));
+      ISOSURFACE_ASSIGN_OR_RETURN(const auto isWanted, IsWanted(call.GetRanks(), *index));
       if (isWanted)
       {
         ISOSURFACE_ASSIGN_OR_RETURN(const auto leftOut,
-          WriteSourceIndex(call.GetRanks(), GetLocalFileSystem(), index, OrUsualMemory(memory),
+          WriteSourceIndex(call.GetRanks(), GetLocalFileSystem(), *index, OrUsualMemory(memory),
             call.GetProgress(), nullptr, nullptr, call.GetThreads()));
         call.Warn(leftOut);
       }
@@ -124,15 +130,16 @@ si_result si_growing_begin(const char* name, const si_opening* opening, size_t s
     {
       auto made = std::make_unique<si_growing>();
       made->Name = ToText(name);
-      const auto find = [&]() -> Result<FileKind>
+      FileKind kind = {};
+      const auto find = [&]() -> Result<SourceIndex>
       {
-        ISOSURFACE_ASSIGN_OR_RETURN(made->Choice, TakeOpening(opening));
-        return FindFileKind(made->Name);
+        ISOSURFACE_ASSIGN_OR_RETURN(kind, FindFileKind(made->Name));
+        return FindIndex(made->Name, opening, made->Choice);
       };
-      const auto kind = find();
-      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(kind.GetStatus()));
-      const SourceIndex index = FindIndex(made->Name, made->Choice);
-      bool isWanted = *kind == FileKind::Source;
+      const auto found = find();
+      ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(found.GetStatus()));
+      const SourceIndex& index = *found;
+      bool isWanted = kind == FileKind::Source;
       if (isWanted)
       {
         ISOSURFACE_ASSIGN_OR_RETURN(isWanted, IsWanted(call.GetRanks(), index));
@@ -192,6 +199,8 @@ si_result si_growing_poll(
       told.seconds_left = index ? index->EstimateSeconds() : 0;
       told.share = index && index->GetSample().Volume ? index->GetSample().Share : 1;
       growing->Text = index ? index->GetSample().Text : "";
+      const std::string fetched = index ? index->GetIndex().Fetching->Describe() : "";
+      growing->Text += fetched.empty() ? "" : "; " + fetched;
       told.text = growing->Text.c_str();
       std::memcpy(state, &told, std::min(state->size, sizeof(told)));
       return Status::Ok();

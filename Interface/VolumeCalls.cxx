@@ -152,6 +152,11 @@ Result<OpeningChoice> TakeOpening(const si_opening* given)
   };
   choice.Place.Spacing = three(taken.spacing);
   choice.Place.Origin = three(taken.origin);
+  if (taken.region)
+  {
+    choice.Bounds.emplace();
+    std::copy_n(taken.region, choice.Bounds->size(), choice.Bounds->begin());
+  }
   if (taken.length_unit)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(choice.Place.Unit, TakeUnit(taken.length_unit));

@@ -18,12 +18,14 @@
 #include "ErrorReport.h"
 #include "ImageSamples.h"
 
+#include "Formats/Indexing/FetchBudget.h"
 #include "Formats/Indexing/GrowingIndex.h"
 #include "Formats/Indexing/SourceIndex.h"
 #include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/PrintableText.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ranks/Query/Refinement.h"
 #include "Storage/Store/BlockedVolume.h"
 
@@ -88,9 +90,19 @@ struct vtkInPlaceVolumeReader::Steps
       {
         const std::string dataset =
           ToText(ToText(reader.RawSamples).empty() ? reader.Dataset : reader.RawSamples);
-        this->Index = SourceIndex::Find(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
-          dataset == Automatic ? "" : dataset, ToText(reader.Axes), ToText(reader.IndexFolder));
-        return reader.MakePlace(this->Index.Source, this->Index.Place);
+        isosurface::GridPlace place;
+        ISOSURFACE_RETURN_IF_ERROR(reader.MakePlace(ToText(reader.SourceName), place));
+        const double* const box = reader.FetchRegion;
+        std::optional<std::array<double, 6>> bounds;
+        if (box[0] <= box[1] && box[2] <= box[3] && box[4] <= box[5])
+        {
+          bounds = { box[0], box[1], box[2], box[3], box[4], box[5] };
+        }
+        ISOSURFACE_ASSIGN_OR_RETURN(this->Index,
+          SourceIndex::FindPartOf(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
+            dataset == Automatic ? "" : dataset, ToText(reader.Axes), ToText(reader.IndexFolder),
+            place, bounds));
+        return Status::Ok();
       });
   }
 
@@ -135,6 +147,13 @@ struct vtkInPlaceVolumeReader::Steps
       (this->Reader.Stage == RefinementStage::None ||
         growing->GetIndex().Place == this->Index.Place);
   }
+  /// From now on what is fetched counts.
+  void StartFetching()
+  {
+    this->Index.Fetching = std::make_shared<isosurface::FetchBudget>(
+      static_cast<std::uint64_t>(this->Reader.FetchBudget) << 20);
+    this->Reader.Fetching = this->Index.Fetching;
+  }
   std::uint64_t GetMemoryBytes() const
   {
     return static_cast<std::uint64_t>(this->Reader.IndexMemory) << 20;
@@ -173,6 +192,7 @@ Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
   {
     return Status::Ok();
   }
+  this->StartFetching();
   if (ranks.GetSize() == 1 &&
     !isosurface::CanWriteIndex(isosurface::GetLocalFileSystem(), this->Index))
   {
@@ -229,6 +249,7 @@ Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks, std
   {
     return Status::Ok();
   }
+  this->StartFetching();
   isosurface::SampleLimits limits;
   limits.Step = step;
   ISOSURFACE_ASSIGN_OR_RETURN(auto sample,
@@ -319,6 +340,13 @@ Status vtkInPlaceVolumeReader::Steps::Grow(
 vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
   : Datasets(vtkStringArray::New())
 {
+}
+
+const char* vtkInPlaceVolumeReader::GetIndexText()
+{
+  const std::string fetched = this->Fetching ? this->Fetching->Describe() : "";
+  this->ToldText = this->IndexText + (fetched.empty() ? "" : "; " + fetched);
+  return this->ToldText.c_str();
 }
 
 vtkInPlaceVolumeReader::~vtkInPlaceVolumeReader()
@@ -424,6 +452,9 @@ int vtkInPlaceVolumeReader::RequestData(
   const bool pending = ranks.Any(isPending || this->IsOtherSample(step));
   if (pending)
   {
+    const isosurface::Progress look = [this](double)
+    { return isosurface::MakeProgress(*this)(this->GetProgress()); };
+    const isosurface::ReadingStop stop(look);
     const Status status = this->UpdateIndex(ranks, step);
     if (!status.IsOk())
     {
@@ -527,6 +558,12 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
     {
       this->IndexText = this->Growing->GetIndex().Path + ": writing it was stopped";
     }
+    else if (!status.IsOk() && this->Fetching && this->Fetching->IsSpent())
+    {
+      this->IndexText = status.GetMessage();
+      this->Fetching.reset(); // the message tells it
+      vtkWarningMacro(<< isosurface::MakePrintable(status.GetMessage()));
+    }
     else if (!status.IsOk())
     {
       this->IndexText = status.GetMessage();
@@ -546,6 +583,8 @@ double* vtkInPlaceVolumeReader::GetRefinement()
   if (this->Growing)
   {
     refinement.Share = this->Growing->GetProgress();
+    refinement.Bytes = this->Fetching ? static_cast<double>(this->Fetching->CountFetched()) : 0;
+    refinement.FreeBytes = this->Fetching ? static_cast<double>(this->Fetching->GetLimit()) : 0;
     refinement.Seconds = this->Growing->EstimateSeconds();
   }
   this->Refinement = refinement.ToValues();
@@ -595,6 +634,10 @@ void vtkInPlaceVolumeReader::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Axes: " << ToText(this->Axes) << "\n";
   os << indent << "IndexFolder: " << ToText(this->IndexFolder) << "\n";
   os << indent << "IndexMemory: " << this->IndexMemory << " MiB\n";
+  os << indent << "FetchRegion: " << this->FetchRegion[0] << " " << this->FetchRegion[1] << " "
+     << this->FetchRegion[2] << " " << this->FetchRegion[3] << " " << this->FetchRegion[4] << " "
+     << this->FetchRegion[5] << "\n";
+  os << indent << "FetchBudget: " << this->FetchBudget << " MiB\n";
   os << indent << "CoarseAllowed: " << this->CoarseAllowed << "\n";
   os << indent << "IndexText: " << this->IndexText << "\n";
 }

@@ -35,6 +35,7 @@
 namespace isosurface
 {
 class Communicator;
+class FetchBudget;
 class GrowingIndex;
 class Status;
 enum class RefinementStage;
@@ -117,10 +118,28 @@ public:
   vtkGetMacro(IndexMemory, int);
   ///@}
 
+  ///@{
   /**
-   * Where the index is or will be, and whether it is up to date, in words.
+   * A box of the world, x0 x1 y0 y1 z0 z1: only the part of the source that has it is read, which is whole chunks.
+   * All of it if a minimum is above its maximum, which is the default.
    */
-  vtkGetCharFromStdStringMacro(IndexText);
+  vtkSetVector6Macro(FetchRegion, double);
+  vtkGetVector6Macro(FetchRegion, double);
+  ///@}
+
+  ///@{
+  /**
+   * Mebibytes that indexing may fetch of a source at an address, of all ranks. When they are spent, what is indexed
+   * stays, and an update with a larger budget goes on. 0, the default: no limit.
+   */
+  vtkSetClampMacro(FetchBudget, int, 0, VTK_INT_MAX);
+  vtkGetMacro(FetchBudget, int);
+  ///@}
+
+  /**
+   * Where the index is or will be, whether it is up to date, and what was fetched for it, in words.
+   */
+  const char* GetIndexText();
 
   /**
    * While on, an execution that finds no index does not wait for one: its output is a sample of the
@@ -179,7 +198,11 @@ private:
   char* Axes = nullptr;
   char* IndexFolder = nullptr;
   int IndexMemory = 1024;
+  double FetchRegion[6] = { 0, -1, 0, -1, 0, -1 };
+  int FetchBudget = 0;
   std::string IndexText;
+  std::string ToldText;                              ///< with what was fetched
+  std::shared_ptr<isosurface::FetchBudget> Fetching; ///< of the last index
   vtkStringArray* Datasets;
   vtkMTimeType CheckTime = 0; ///< our MTime when the index was found up to date, or a sample read
   vtkMTimeType TellTime = 0;  ///< our MTime when SourceTimes were read

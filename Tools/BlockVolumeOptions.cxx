@@ -190,6 +190,15 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
   app.add_flag("--in-place", options.IsInPlace,
     "Write no samples at full resolution: queries decode those of IN, which has to stay. For\n"
     "all formats but gzip streams and those of VTK's readers");
+  app
+    .add_option("--region", options.Region,
+      "X0,X1,Y0,Y1,Z0,Z1 in the world: only the part of IN that has this box, in whole chunks")
+    ->delimiter(',')
+    ->expected(6);
+  app
+    .add_option("--fetch-budget", options.FetchBudget,
+      "MiB that may be fetched of an IN at an address; 0: no limit")
+    ->check(CLI::Range(std::uint64_t{ 0 }, std::uint64_t{ 1 } << 40));
   app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points");
   app.add_flag("--append", settings.Append,
     "Add IN to the time steps of OUT.bvol; it must have the same grid, arrays and options");

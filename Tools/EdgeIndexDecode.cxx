@@ -445,7 +445,7 @@ Status RunEdgeIndexVerify(const EdgeIndexOptions& options)
   if (!options.IsQuiet)
   {
     std::printf("%s: sound: %zu records, %s\n", options.Input.c_str(), file->GetEntries().size(),
-      FormatBytes(bytes).c_str());
+      DescribeBytes(bytes).c_str());
   }
   return Status::Ok();
 }

@@ -141,7 +141,7 @@ void PrintTotals(const std::string& name, const Json& totals)
   const auto points = totals["points"].get<double>();
   const auto bytes = totals["bytes"].get<double>();
   std::printf("%-13s %s blocks, %s points, %s", name.c_str(), Dump(totals["blocks"]).c_str(),
-    Dump(totals["points"]).c_str(), FormatBytes(bytes).c_str());
+    Dump(totals["points"]).c_str(), DescribeBytes(bytes).c_str());
   if (points > 0)
   {
     std::printf(", %.2f bits a point", 8 * bytes / points);
@@ -154,7 +154,7 @@ void Print(const Json& told)
   const Json& grid = told["grid"];
   const Json& settings = told["settings"];
   std::printf("%s\n", told["file"].get<std::string>().c_str());
-  std::printf("size          %s\n", FormatBytes(told["bytes"].get<double>()).c_str());
+  std::printf("size          %s\n", DescribeBytes(told["bytes"].get<double>()).c_str());
   std::printf("dimensions    %s\n", Join(grid["dimensions"], " x ").c_str());
   std::printf("extent        %s\n", Join(grid["extent"], " ").c_str());
   std::printf("spacing       %s\n", Join(grid["spacing"], " ").c_str());

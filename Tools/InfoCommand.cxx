@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "BlockVolumeCommands.h"
 
+#include "Ground/Base/PrintableText.h"
 #include "Ground/Volume/VolumeName.h"
 #include "ProgressDisplay.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
@@ -382,7 +383,7 @@ void PrintTimeStep(const Json& volume, const Json& step)
   }
   const auto bytes = step["bytes"].get<double>();
   std::printf("  blocks      %s, %s (%s of samples)\n", step["blocks"].dump().c_str(),
-    FormatBytes(bytes).c_str(), FormatBytes(volume["sampleBytes"].get<double>()).c_str());
+    DescribeBytes(bytes).c_str(), DescribeBytes(volume["sampleBytes"].get<double>()).c_str());
   if (step.contains("source"))
   {
     std::printf("  in place    the samples are in %s, chunks of %s\n",
@@ -400,7 +401,7 @@ void PrintTimeStep(const Json& volume, const Json& step)
   {
     std::printf("  store %05zu %s blocks, %s\n", store,
       step["stores"][store]["blocks"].dump().c_str(),
-      FormatBytes(step["stores"][store]["bytes"].get<double>()).c_str());
+      DescribeBytes(step["stores"][store]["bytes"].get<double>()).c_str());
   }
   const Json& balance = step["balance"];
   std::printf("  balance     (maximum over mean) blocks %s, bytes %s\n",

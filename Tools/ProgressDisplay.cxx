@@ -3,8 +3,9 @@
 
 #include "StopSignal.h"
 
+#include "Ground/Base/PrintableText.h"
+
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <utility>
 
@@ -19,21 +20,6 @@ constexpr int BarWidth = 30;
 constexpr double SecondsBetweenFrames = 0.1;
 
 } // namespace
-
-std::string FormatBytes(double bytes)
-{
-  const std::array<const char*, 6> units = { "B", "kB", "MB", "GB", "TB", "PB" };
-  std::size_t unit = 0;
-  while (bytes >= 1000 && unit + 1 < units.size())
-  {
-    bytes /= 1000;
-    ++unit;
-  }
-  std::array<char, 32> text{};
-  std::snprintf(
-    text.data(), text.size(), bytes < 10 && unit > 0 ? "%.1f %s" : "%.0f %s", bytes, units[unit]);
-  return text.data();
-}
 
 ProgressDisplay::ProgressDisplay(std::string name, double bytes, bool isShown)
   : Name(std::move(name))
@@ -83,7 +69,7 @@ void ProgressDisplay::Show(double share)
     const std::string bar = std::string(filled, '#') + std::string(BarWidth - filled, '.');
     const double left = share > 0.01 ? seconds / share - seconds : 0;
     std::fprintf(stderr, "\r\033[K%s [%s] %3.0f %%  %s/s", this->Name.c_str(), bar.c_str(),
-      100 * share, FormatBytes(seconds > 0 ? this->Bytes * share / seconds : 0).c_str());
+      100 * share, DescribeBytes(seconds > 0 ? this->Bytes * share / seconds : 0).c_str());
     if (left >= 1)
     {
       std::fprintf(stderr, "  %.0f s left", left);

@@ -10,9 +10,6 @@
 namespace isosurface
 {
 
-/// "31 B", "4.7 MB", "12 GB": bytes in decimal units.
-std::string FormatBytes(double bytes);
-
 /**
  * Shows the progress of some work on standard error: a bar on a terminal, otherwise a line for
  * every tenth.

@@ -116,7 +116,7 @@ Status RunRepairCommand(const BlockVolumeOptions& options)
     std::printf("%s: %s, %.1f s\n", options.Input.c_str(),
       done->Restored.empty()
         ? "nothing to restore"
-        : (FormatBytes(static_cast<double>(done->Bytes)) + " restored").c_str(),
+        : (DescribeBytes(static_cast<double>(done->Bytes)) + " restored").c_str(),
       display.GetSeconds());
   }
   return Status::Ok();
@@ -149,7 +149,7 @@ Status RunVerifyCommand(const BlockVolumeOptions& options)
     const auto bytes = static_cast<double>(found->Bytes);
     std::printf("%s: sound: %llu files, %llu blocks, %s, %.1f s, %.0f MB/s\n",
       options.Input.c_str(), static_cast<unsigned long long>(found->Files),
-      static_cast<unsigned long long>(found->Blocks), FormatBytes(bytes).c_str(), seconds,
+      static_cast<unsigned long long>(found->Blocks), DescribeBytes(bytes).c_str(), seconds,
       bytes / 1e6 / std::max(seconds, 1e-9));
   }
   return Status::Ok();

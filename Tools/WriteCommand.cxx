@@ -4,16 +4,21 @@
 #include "InputVolume.h"
 #include "ProgressDisplay.h"
 #include "Sandbox.h"
+#include "StopSignal.h"
 
+#include "Formats/Indexing/FetchBudget.h"
 #include "Formats/Opener/ForeignVolume.h"
+#include "Formats/Opener/VolumePart.h"
 #include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/PrintableText.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/ChunkedSource.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -73,8 +78,8 @@ std::string FormatWritten(const WriteStatistics& written, bool isInPlace)
 {
   const auto bytes = static_cast<double>(written.Bytes);
   const auto overviewBytes = static_cast<double>(written.OverviewBytes);
-  return isInPlace ? "in place, " + FormatBytes(overviewBytes) + " of coarser levels"
-                   : FormatBytes(bytes);
+  return isInPlace ? "in place, " + DescribeBytes(overviewBytes) + " of coarser levels"
+                   : DescribeBytes(bytes);
 }
 
 /// Writes one time step of the input.
@@ -103,16 +108,29 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
   {
     settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
   }
+  FetchBudget fetching((options.FetchBudget << 20) / static_cast<std::uint64_t>(ranks.GetSize()));
+  fetching.SetSampleBytes(static_cast<std::uint64_t>(sampleBytes));
   settings.Warn = [](const std::string& warning)
   { std::fprintf(stderr, "blockvolume: warning: %s\n", MakePrintable(warning).c_str()); };
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   ProgressDisplay display(options.Output, sampleBytes, isTold);
-  const Progress progress = display.GetProgress();
+  double done = 0;
+  const Progress progress = [&, show = display.GetProgress()](double share)
+  {
+    done = share;
+    return show(share) && !fetching.IsSpent();
+  };
+  const Progress look = [&](double) { return !IsStopAsked() && !fetching.IsSpent(); };
+  const ReadingStop stop(look);
   const auto written = writer.Write(
     options.Output, volume.Grid, volume.Arrays, *volume.Source, settings, RenewTimeWith(progress));
   const double seconds = display.GetSeconds();
   display.Clear();
-  ISOSURFACE_RETURN_IF_ERROR(written.GetStatus());
+  if (!written.IsOk())
+  {
+    const bool isSpent = ranks.Any(fetching.IsSpent());
+    return isSpent ? fetching.MakeError(options.Input, done) : written.GetStatus();
+  }
   if (isTold && written->Stores.empty())
   {
     std::printf("%s: time step %zu was finished by an earlier run\n", options.Output.c_str(), step);
@@ -123,15 +141,29 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
                 "%.0f MB/s\n",
       options.Output.c_str(), static_cast<unsigned long long>(written->Blocks), settings.BlockSize,
       written->Stores.size(), FormatWritten(*written, options.IsInPlace).c_str(),
-      FormatBytes(sampleBytes).c_str(), seconds, sampleBytes / 1e6 / std::max(seconds, 1e-9));
+      DescribeBytes(sampleBytes).c_str(), seconds, sampleBytes / 1e6 / std::max(seconds, 1e-9));
+    if (fetching.CountFetched() > 0)
+    {
+      std::printf("%s: %s\n", options.Input.c_str(), fetching.Describe().c_str());
+    }
   }
   return Status::Ok();
 }
 
 } // namespace
 
-Status RunWriteCommand(const BlockVolumeOptions& options, Communicator& ranks)
+Status RunWriteCommand(const BlockVolumeOptions& given, Communicator& ranks)
 {
+  BlockVolumeOptions options = given;
+  if (!given.Region.empty())
+  {
+    std::array<double, 6> bounds{};
+    std::copy_n(given.Region.begin(), bounds.size(), bounds.begin());
+    const GridPlace place{ given.Spacing, given.Origin, {} };
+    const auto part = FindPart(GetLocalFileSystem(), given.Input, given.Axes, place, bounds);
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(part.GetStatus()));
+    options.Input = *part;
+  }
   const std::size_t first = options.Step.value_or(0);
   auto volume = InputVolume::Open(options, first);
   const std::size_t steps =

@@ -3,21 +3,74 @@
 
 #include "Storage/Store/BlockedVolume.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace isosurface
 {
+namespace
+{
+
+using Point = std::array<double, 3>;
+
+/// The vertices around a box of the world, or the first one.
+VertexBox FindVerticesAround(const LevelDescription& level, const Point& low, const Point& high)
+{
+  const VertexPlaces places(level.Grid, level.Lines ? &*level.Lines : nullptr);
+  const VertexBox box = places.FindVerticesAround(low, high);
+  return box.IsEmpty() ? VertexBox{ {}, { 1, 1, 1 } } : box;
+}
+
+/// The same around points.
+VertexBox FindVerticesOf(const LevelDescription& level, const double* points, std::size_t count)
+{
+  constexpr double most = std::numeric_limits<double>::max();
+  Point low{ most, most, most };
+  Point high{ -most, -most, -most };
+  for (std::size_t number = 0; number < 3 * count; ++number)
+  {
+    if (std::isfinite(points[number]))
+    {
+      low[number % 3] = std::min(low[number % 3], points[number]);
+      high[number % 3] = std::max(high[number % 3], points[number]);
+    }
+  }
+  const bool isAny = low[0] <= high[0] && low[1] <= high[1] && low[2] <= high[2];
+  return isAny ? FindVerticesAround(level, low, high) : VertexBox{ {}, { 1, 1, 1 } };
+}
+
+/// The vertices around a plane that is along axes of the grid; all, if it is not.
+VertexBox FindVerticesOf(const LevelDescription& level, const Plane& plane, double maximumPoints)
+{
+  const auto lattice = PlaneLattice::Make(level.Grid, level.Lines ? &*level.Lines : nullptr, plane);
+  if (!lattice || !lattice->IsAligned() || lattice->CountPoints() > maximumPoints)
+  {
+    return { {}, level.Grid.GetDimensions() };
+  }
+  const GridGeometry& image = lattice->GetImage();
+  const VertexPlaces places(image);
+  const Index3 size = image.GetDimensions();
+  return FindVerticesAround(level, places.FindPoint({ 0, 0, 0 }),
+    places.FindPoint({ static_cast<double>(size[0] - 1), static_cast<double>(size[1] - 1),
+      static_cast<double>(size[2] - 1) }));
+}
+
+} // namespace
 
 Status ProbePoints(VolumeFile& file, const SampledArray& of, Interpolation interpolation,
   const double* points, std::size_t count, void* values, std::uint8_t* inside,
   const Progress& progress)
 {
   std::size_t step = 0;
-  ISOSURFACE_ASSIGN_OR_RETURN(auto volume, file.GetBlocks(of.TimeStep, progress, step));
+  Index3 corner{};
+  const VertexBox box = FindVerticesOf(file.Describe(0), points, count);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto volume, file.GetBlocksOf(of.TimeStep, box, progress, step, corner));
   ISOSURFACE_ASSIGN_OR_RETURN(const auto level, LevelSamples::Open(volume, step, of.Level));
-  const LevelDescription description = file.Describe(of.Level);
-  const VertexPlaces places(description.Grid, description.Lines ? &*description.Lines : nullptr);
+  const VertexPlaces places(volume->GetHeader().Grid.Coarsen(of.Level), volume->GetLines(of.Level));
   const PointPortions portions = MakePointPortions(static_cast<std::int64_t>(count), places,
     [points](std::int64_t point)
     {
@@ -37,7 +90,10 @@ Result<std::optional<SampledBox>> CutPlane(VolumeFile& file, const SampledArray&
   const Plane& plane, double maximumPoints, const Progress& progress)
 {
   std::size_t step = 0;
-  ISOSURFACE_ASSIGN_OR_RETURN(auto volume, file.GetBlocks(of.TimeStep, progress, step));
+  Index3 corner{};
+  const VertexBox box = FindVerticesOf(file.Describe(0), plane, maximumPoints);
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto volume, file.GetBlocksOf(of.TimeStep, box, progress, step, corner));
   auto plan = PlanSlice(*volume, plane, Interpolation::Linear, maximumPoints, of.Level);
   if (!plan)
   {

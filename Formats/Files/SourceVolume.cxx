@@ -2,6 +2,7 @@
 #include "Formats/Files/SourceVolume.h"
 
 #include "Formats/Opener/ForeignVolume.h"
+#include "Formats/Opener/VolumePart.h"
 #include "Ground/Base/AvailableMemory.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/MemoryFileSystem.h"
@@ -255,22 +256,62 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
     const bool isUsed = other->second.use_count() > 1; // it becomes so only under the lock
     other = isUsed ? std::next(other) : this->Blocks.erase(other);
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(auto made, this->MakeBlocks(timeStep, progress));
+  this->Part = {};
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto made, this->MakeBlocks(timeStep, { {}, this->Grid.GetDimensions() }, progress));
   this->Blocks[timeStep] = made;
   return made;
 }
 
-Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
-  std::size_t timeStep, const Progress& progress)
+std::uint64_t SourceVolume::CountBytes(const VertexBox& box) const
 {
-  const std::uint64_t bytes = static_cast<std::uint64_t>(this->Grid.GetNumberOfVertices()) *
+  return static_cast<std::uint64_t>(box.GetNumberOfVertices()) *
     SumValueSizes(ArrayVariables(this->Arrays).GetStoredTypes());
+}
+
+bool SourceVolume::Fits(std::uint64_t bytes)
+{
   const std::uint64_t available = GetAvailableMemory();
-  if (available > 0 && bytes > available / SharesOfFreeMemory)
+  return available == 0 || bytes <= available / SharesOfFreeMemory;
+}
+
+Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocksOf(std::size_t timeStep,
+  const VertexBox& box, const Progress& progress, std::size_t& stepThere, Index3& first)
+{
+  const VertexBox all{ {}, this->Grid.GetDimensions() };
+  const bool isPart = !(box == all) && (IsAddress(this->Path) || !Fits(this->CountBytes(all)));
+  std::unique_lock<std::mutex> lock(this->BlocksMutex);
+  if (!isPart || this->Blocks.count(timeStep) > 0)
+  {
+    lock.unlock();
+    return this->GetBlocks(timeStep, progress, stepThere);
+  }
+  ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));
+  bool isThere = this->Part.Volume && this->Part.Step == timeStep && this->Part.Box.Contains(box);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    const std::int64_t distance = box.Low[axis] - this->Part.Box.Low[axis];
+    isThere = isThere && distance % BlockedVolumeSettings().BlockSize == 0;
+  }
+  if (!isThere)
+  {
+    this->Part = {};
+    ISOSURFACE_ASSIGN_OR_RETURN(auto made, this->MakeBlocks(timeStep, box, progress));
+    this->Part = { timeStep, box, std::move(made) };
+  }
+  stepThere = 0;
+  first = this->Part.Box.Low;
+  return this->Part.Volume;
+}
+
+Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
+  std::size_t timeStep, const VertexBox& box, const Progress& progress)
+{
+  if (!Fits(this->CountBytes(box)))
   {
     return Status(StatusCode::OutOfMemory,
       this->Path +
-        ": has no index, and is too large to be searched in memory; "
+        ": has no index, and is too large to be searched in memory; choose a region, or "
         "make one with scalable_isosurface.index(), or a volume with create()");
   }
   const std::string path = this->Path + ".bvol-in-memory";
@@ -279,14 +320,17 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   BlockedVolumeSettings settings;
   settings.NumberOfStores = 1;
   settings.Distribution = DistributionMethod::Slab;
-  settings.Lines = this->Lines;
   settings.Time = this->Times[timeStep];
   settings.Threads = this->Threads;
   ISOSURFACE_ASSIGN_OR_RETURN(
-    const auto source, this->OpenSource(timeStep, this->Threads, settings.MemoryLimit));
+    auto source, this->OpenSource(timeStep, this->Threads, settings.MemoryLimit));
   settings.Files = this->GetSourceFiles(timeStep);
+  GridGeometry grid = this->Grid;
+  settings.Lines = this->Lines;
+  CutGrid(grid, settings.Lines, box);
+  source = CutSource(std::move(source), box);
   ISOSURFACE_RETURN_IF_ERROR(BlockedVolumeWriter(alone, memory->Files)
-                               .Write(path, this->Grid, this->Arrays, *source, settings, progress)
+                               .Write(path, grid, this->Arrays, *source, settings, progress)
                                .GetStatus());
   ISOSURFACE_ASSIGN_OR_RETURN(memory->Volume, BlockedVolume::Open(path, memory->Files));
   return std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());

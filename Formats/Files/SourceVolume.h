@@ -38,6 +38,9 @@ public:
   /// third of the free memory.
   Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
+  /// Reads the box alone of a volume at an address, or of one that GetBlocks refuses. The last one stays.
+  Result<std::shared_ptr<BlockedVolume>> GetBlocksOf(std::size_t timeStep, const VertexBox& box,
+    const Progress& progress, std::size_t& stepThere, Index3& first) override;
 
 private:
   SourceVolume() = default;
@@ -48,7 +51,11 @@ private:
   Status CheckUnchanged(std::size_t timeStep);
   /// That of a time step. ReadMutex is held.
   Result<BoxSource*> FindSource(std::size_t timeStep);
-  Result<std::shared_ptr<BlockedVolume>> MakeBlocks(std::size_t timeStep, const Progress& progress);
+  std::uint64_t CountBytes(const VertexBox& box) const;
+  /// Whether blocks in memory may take so much.
+  static bool Fits(std::uint64_t bytes);
+  Result<std::shared_ptr<BlockedVolume>> MakeBlocks(
+    std::size_t timeStep, const VertexBox& box, const Progress& progress);
 
   std::string Path;
   std::string Axes;
@@ -66,8 +73,14 @@ private:
   std::mutex ReadMutex; ///< guards Source
   std::size_t SourceStep = 0;
   std::unique_ptr<BoxSource> Source; ///< of that time step
-  std::mutex BlocksMutex;            ///< guards Blocks
+  std::mutex BlocksMutex;            ///< guards what follows
   std::map<std::size_t, std::shared_ptr<BlockedVolume>> Blocks;
+  struct
+  {
+    std::size_t Step = 0;
+    VertexBox Box;
+    std::shared_ptr<BlockedVolume> Volume;
+  } Part; ///< of GetBlocksOf
 };
 
 } // namespace isosurface

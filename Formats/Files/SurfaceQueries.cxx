@@ -2,9 +2,11 @@
 #include "Formats/Files/SurfaceQueries.h"
 
 #include "Ground/Base/OutputCheck.h"
+#include "Ground/Volume/BlockSelection.h"
 #include "Ranks/Query/StoredField.h"
 #include "Ranks/Sharing/QueryPlan.h"
 #include "Ranks/Sharing/StoreRecovery.h"
+#include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
 #include <limits>
@@ -21,6 +23,7 @@ struct SearchedBlocks
 {
   std::shared_ptr<BlockedVolume> Volume;
   SurfaceQuery Query;
+  Index3 First{ 0, 0, 0 }; ///< the file's vertex that is the first one there
 };
 
 /// Whether an edge-index file can hold what is asked for.
@@ -41,12 +44,50 @@ Status CheckIsWritable(const SurfaceRequest& request)
     : Status::Ok();
 }
 
+/// The vertices of all blocks that meet a region, with their neighbours' samples if normals need them.
+VertexBox FindBlocksIn(const LevelDescription& level, const Region& where, bool withNormals)
+{
+  const Index3 dimensions = level.Grid.GetDimensions();
+  BlockSelection selection;
+  selection.Region = where;
+  selection.Lines = level.Lines ? &*level.Lines : nullptr;
+  const std::int64_t size = BlockedVolumeSettings().BlockSize;
+  VertexBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    std::optional<std::int64_t> low;
+    for (std::int64_t begin = 0; begin == 0 || begin < dimensions[axis] - 1; begin += size)
+    {
+      VertexBox layer{ {}, dimensions };
+      layer.Low[axis] = begin;
+      layer.High[axis] = std::min(begin + size + 1, dimensions[axis]);
+      if (selection.Selects(level.Grid, layer, true))
+      {
+        low = low.value_or(begin);
+        box.High[axis] = layer.High[axis];
+      }
+    }
+    // Beside the volume: the first block does not meet the region, either.
+    box.High[axis] = low ? box.High[axis] : std::min(size + 1, dimensions[axis]);
+    box.Low[axis] = std::max<std::int64_t>(0, low.value_or(0) - (withNormals ? size : 0));
+    box.High[axis] = std::min(box.High[axis] + (withNormals ? 1 : 0), dimensions[axis]);
+  }
+  return box;
+}
+
 Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress)
 {
   SearchedBlocks searched;
-  ISOSURFACE_ASSIGN_OR_RETURN(
-    searched.Volume, file.GetBlocks(samples.TimeStep, progress, searched.Query.TimeStep));
+  // Of the others, what is found depends on where the volume ends.
+  const bool isPart = request.ClosedSides.IsEmpty() && !request.GlobalIds && !request.Islands;
+  std::size_t& step = searched.Query.TimeStep;
+  ISOSURFACE_ASSIGN_OR_RETURN(searched.Volume,
+    isPart && !request.Where.IsEverything()
+      ? file.GetBlocksOf(samples.TimeStep,
+          FindBlocksIn(file.Describe(0), request.Where, request.Normals), progress, step,
+          searched.First)
+      : file.GetBlocks(samples.TimeStep, progress, step));
   const auto variable = searched.Volume->GetVariables().Find(samples.Array, samples.Component);
   if (!variable)
   {
@@ -189,7 +230,8 @@ Result<std::vector<VertexBox>> FindActiveBlocks(VolumeFile& file, const Contoure
     boxes.clear();
     for (const BlockReference& block : plan.Blocks)
     {
-      boxes.push_back(stored.Grid->GetVertices(block.Block, stored.Level));
+      boxes.push_back(
+        stored.Grid->GetVertices(block.Block, stored.Level).Translate(searched.First));
     }
     return Status::Ok();
   };

@@ -61,11 +61,13 @@ Result<std::shared_ptr<VolumeFile>> VolumeFile::Open(
     return AsFile(StoredVolume::Open(name, choice));
   }
   FileSystem& files = GetLocalFileSystem();
-  const SourceIndex index = SourceIndex::Find(files, name, "", choice.Axes, choice.IndexFolder);
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto index,
+    SourceIndex::FindPartOf(
+      files, name, "", choice.Axes, choice.IndexFolder, choice.Place, choice.Bounds));
   const auto state = FindIndexState(files, index);
   return state.IsOk() && *state == IndexState::Current
     ? AsFile(StoredVolume::Open(index.Path, choice))
-    : AsFile(SourceVolume::Open(name, choice));
+    : AsFile(SourceVolume::Open(choice.Bounds ? index.Source : name, choice));
 }
 
 } // namespace isosurface

@@ -12,6 +12,7 @@
 #include "Ground/Volume/VertexBox.h"
 #include "Storage/Store/SourceRecord.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -38,10 +39,12 @@ Result<FileKind> FindFileKind(const std::string& name);
 /// How a volume of another format is opened.
 struct OpeningChoice
 {
-  std::string Axes;            ///< VolumeChoice::Axes
-  std::string IndexFolder;     ///< where its index may be; empty: beside it
-  int Threads = 0;             ///< of GetBlocks, as BlockedVolumeSettings::Threads
-  GridPlace Place = {};        ///< also of a blocked volume
+  std::string Axes;        ///< VolumeChoice::Axes
+  std::string IndexFolder; ///< where its index may be; empty: beside it
+  int Threads = 0;         ///< of GetBlocks, as BlockedVolumeSettings::Threads
+  GridPlace Place = {};    ///< also of a blocked volume
+  /// A box of the world, x0 x1 y0 y1 z0 z1: only the part of another format that has it (FindPart).
+  std::optional<std::array<double, 6>> Bounds = {};
   bool HasLocalStores = false; ///< BlockedVolume::SetLocalStores
 };
 
@@ -110,6 +113,13 @@ public:
   /// The time step in blocks, to be searched for isosurfaces. `stepThere` becomes its number there.
   virtual Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) = 0;
+  /// The same, perhaps of a part of the volume that has a box of vertices, and blocks that begin at multiples of
+  /// their size from the box's corner. `first` becomes the volume's vertex that is the first one there.
+  virtual Result<std::shared_ptr<BlockedVolume>> GetBlocksOf(std::size_t timeStep,
+    const VertexBox& /*box*/, const Progress& progress, std::size_t& stepThere, Index3& /*first*/)
+  {
+    return this->GetBlocks(timeStep, progress, stepThere);
+  }
 };
 
 } // namespace isosurface

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Indexing/SourceIndex.h"
 
+#include "Formats/Indexing/FetchBudget.h"
 #include "Formats/Indexing/SampleCollector.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Formats/Opener/VolumeFormat.h"
+#include "Formats/Opener/VolumePart.h"
 #include "Formats/Source/FolderFiles.h"
 #include "Formats/Zarr/JsonField.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Base/Checksum.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ground/Base/RemoteCache.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -171,6 +174,22 @@ SourceIndex SourceIndex::Find(FileSystem& files, const std::string& chosen,
   return { name.GetText(), axes, (parent / (file + ".bvol")).string(), {} };
 }
 
+Result<SourceIndex> SourceIndex::FindPartOf(FileSystem& files, const std::string& chosen,
+  const std::string& dataset, const std::string& axes, const std::string& folder,
+  const GridPlace& place, const std::optional<std::array<double, 6>>& bounds)
+{
+  SourceIndex index = Find(files, chosen, dataset, axes, folder);
+  index.Place = place;
+  if (!bounds)
+  {
+    return index;
+  }
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto part, FindPart(files, index.Source, axes, place, *bounds));
+  index = Find(files, chosen, VolumeName::Parse(files, part).Within, axes, folder);
+  index.Place = place;
+  return index;
+}
+
 bool CanBeIndexed(FileSystem& files, const std::string& chosen)
 {
   const SourceIndex index = SourceIndex::Find(files, chosen, "", "", "");
@@ -277,6 +296,14 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   std::string leftOut;
   std::size_t steps = 1;
   const int threadsOfRank = ranks.ChooseThreads(threads);
+  const std::shared_ptr<FetchBudget> fetching = index.Fetching;
+  double done = 0;
+  const Progress isWithinBudget = [&](double)
+  {
+    return !fetching || fetching->GetLimit() == 0 ||
+      fetching->CountFetched() * static_cast<std::uint64_t>(ranks.GetSize()) < fetching->GetLimit();
+  };
+  const ReadingStop stop(isWithinBudget);
   for (std::size_t step = 0; step < steps; ++step)
   {
     auto opened = Attempt(index.Source,
@@ -314,16 +341,27 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
       { { times, index.Source + ": the ranks see different numbers of time steps" } }));
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
+    if (fetching)
+    {
+      const OpenedVolume& volume = opened->Volume;
+      fetching->SetSampleBytes(steps *
+        static_cast<std::uint64_t>(volume.Grid.GetNumberOfVertices()) *
+        SumValueSizes(ArrayVariables(volume.Arrays).GetStoredTypes()));
+    }
     opened->Settings.Publish = step + 1 == steps;
     opened->Settings.Threads = threadsOfRank;
-    const Progress tell = [&](double share) {
-      return !progress ||
-        progress((static_cast<double>(step) + share) / static_cast<double>(steps));
+    const Progress tell = [&](double share)
+    {
+      done = (static_cast<double>(step) + share) / static_cast<double>(steps);
+      return isWithinBudget(done) && (!progress || progress(done));
     };
-    ISOSURFACE_RETURN_IF_ERROR(writer
-                                 .Write(index.Path, opened->Volume.Grid, opened->Volume.Arrays,
-                                   *opened->Volume.Source, opened->Settings, tell)
-                                 .GetStatus());
+    const auto written = writer.Write(index.Path, opened->Volume.Grid, opened->Volume.Arrays,
+      *opened->Volume.Source, opened->Settings, tell);
+    if (!written.IsOk())
+    {
+      const bool isSpent = ranks.Any(!isWithinBudget(done)); // of any rank, for all
+      return isSpent ? fetching->MakeError(index.Source, done) : written.GetStatus();
+    }
   }
   return leftOut;
 }

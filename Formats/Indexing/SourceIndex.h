@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 namespace isosurface
 {
 
+class FetchBudget;
 class FinishedLayers;
 class SampleCollector;
 
@@ -28,6 +30,7 @@ struct SourceIndex
   std::string Axes;   ///< VolumeChoice::Axes
   std::string Path;   ///< of the .bvol
   GridPlace Place{};  ///< what changes its grid when it is shown; the file has that of the source
+  std::shared_ptr<FetchBudget> Fetching{}; ///< of WriteSourceIndex; null: without a limit
 
   /**
    * Finds the names. `chosen`: a file, a folder of Zarr or N5, or one of the metadata files of such
@@ -39,6 +42,10 @@ struct SourceIndex
    */
   static SourceIndex Find(FileSystem& files, const std::string& chosen, const std::string& dataset,
     const std::string& axes, const std::string& folder);
+  /// The same of the part that has a box of the world (FindPart), in the grid that `place` gives.
+  static Result<SourceIndex> FindPartOf(FileSystem& files, const std::string& chosen,
+    const std::string& dataset, const std::string& axes, const std::string& folder,
+    const GridPlace& place, const std::optional<std::array<double, 6>>& bounds);
 
   /// Whether both have the same names.
   bool operator==(const SourceIndex& other) const
@@ -89,7 +96,8 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
  * (BlockedVolumeSettings::JournalSeconds).
  * `collector`, if there is one, sees what is read of the first time step. `finished`, which all ranks
  * have or none, is told which blocks of it are finished. `threads`:
- * BlockedVolumeSettings::Threads. Cost and errors: as BlockedVolumeWriter.
+ * BlockedVolumeSettings::Threads. Cost and errors: as BlockedVolumeWriter; IoError if SourceIndex::Fetching, of
+ * which each rank may fetch its share, is spent.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},

@@ -2,6 +2,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 
 #include "Formats/Opener/VolumeFormat.h"
+#include "Formats/Opener/VolumePart.h"
 #include "Formats/Source/FolderFiles.h"
 #include "Formats/Source/SliceFiles.h"
 
@@ -89,6 +90,28 @@ Result<OpenedVolume> OpenFormatOrSteps(
                        : OpenStepFile(files, name, steps, choice, over);
 }
 
+/// A volume, or a part of it. The part of a pyramid is of its finest level.
+Result<OpenedVolume> OpenPartOf(FileSystem& files, VolumeName name, VolumeChoice choice)
+{
+  const std::string text = name.GetText();
+  const auto part = TakePart(name.Within);
+  choice.Vertices = part ? 0 : choice.Vertices;
+  ISOSURFACE_ASSIGN_OR_RETURN(auto volume, OpenFormatOrSteps(files, name, choice));
+  if (part)
+  {
+    if (part->IsEmpty() || !volume.Source->GetBox().Contains(*part))
+    {
+      const Index3 size = volume.Grid.GetDimensions();
+      return Status(StatusCode::InvalidArgument,
+        text + ": the volume has " + std::to_string(size[0]) + " x " + std::to_string(size[1]) +
+          " x " + std::to_string(size[2]) + " samples, and no such part");
+    }
+    volume.Source = CutSource(std::move(volume.Source), *part);
+    CutGrid(volume.Grid, volume.Lines, *part);
+  }
+  return volume;
+}
+
 Result<std::vector<VolumeListing>> ListFormat(FileSystem& files, const VolumeName& name)
 {
   const VolumeFormat* const format = FindVolumeFormat(files, name);
@@ -107,7 +130,9 @@ Result<std::vector<VolumeListing>> ListFormat(FileSystem& files, const VolumeNam
 
 bool IsForeignVolume(FileSystem& files, const std::string& name)
 {
-  return FindVolumeFormat(files, VolumeName::Parse(files, name)) != nullptr;
+  VolumeName whole = VolumeName::Parse(files, name);
+  TakePart(whole.Within);
+  return FindVolumeFormat(files, whole) != nullptr;
 }
 
 Result<OpenedVolume> OpenForeignVolume(
@@ -115,7 +140,7 @@ Result<OpenedVolume> OpenForeignVolume(
 {
   const VolumeName name = VolumeName::Parse(files, text);
   // What a file asks for may be more than there is, and libraries throw.
-  auto volume = Attempt(text, [&] { return OpenFormatOrSteps(files, name, choice); });
+  auto volume = Attempt(text, [&] { return OpenPartOf(files, name, choice); });
   if (volume.IsOk() && choice.Step >= std::max<std::size_t>(1, volume->Times.size()))
   {
     return Status(StatusCode::InvalidArgument,

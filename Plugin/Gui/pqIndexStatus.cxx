@@ -147,10 +147,16 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
   const QString left = report.Seconds < 0
     ? QString()
     : tr(", %1 left").arg(isosurface::FormatSeconds(std::max(1.0, std::round(report.Seconds))));
-  this->setText(tr("Sample of %1 shown, indexing: %2 %%3")
+  const QString fetched = report.Bytes > 0
+    ? tr(", %1 fetched").arg(isosurface::FormatBytes(report.Bytes)) +
+      (report.FreeBytes > 0 ? tr(" of at most %1").arg(isosurface::FormatBytes(report.FreeBytes))
+                            : QString())
+    : QString();
+  this->setText(tr("Sample of %1 shown, indexing: %2 %%3%4")
                   .arg(source->getSMName())
                   .arg(std::floor(100 * report.Share))
-                  .arg(left));
+                  .arg(left)
+                  .arg(fetched));
   return report.Stage == RefinementStage::Working;
 }
 

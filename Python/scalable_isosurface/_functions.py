@@ -52,7 +52,7 @@ _, _Texts = _sized("si_texts", ("count", c_size_t), ("texts", POINTER(c_char_p))
 _make_opening, _ = _sized(
     "si_opening",
     ("axes", c_char_p), ("index_folder", c_char_p), ("spacing", POINTER(c_double)), ("origin", POINTER(c_double)),
-    ("length_unit", c_char_p), ("local_stores", c_int32),
+    ("length_unit", c_char_p), ("local_stores", c_int32), ("region", POINTER(c_double)), ("fetch_budget", c_uint64),
 )  # fmt: skip
 _, _VolumeInfo = _sized(
     "si_volume_info",

@@ -254,6 +254,8 @@ def _opening(
     origin: Sequence[float] = (),
     unit: Optional[str] = None,
     local_stores: int = 0,
+    region: Optional[Sequence[float]] = None,
+    fetch_budget: int = 0,
 ) -> Any:
     """A reference to a si_opening."""
     return byref(
@@ -264,12 +266,14 @@ def _opening(
             origin=_three_numbers(*origin) if origin else None,
             length_unit=None if unit is None else encode(unit),
             local_stores=local_stores,
+            region=None if region is None else (c_double * 6)(*region),
+            fetch_budget=fetch_budget,
         )
     )
 
 
 def open_volume(path: bytes, axes: str, folder: bytes, threads: int, how: How = _ALONE, **place: Any) -> VolumeFile:
-    """`place`: spacing, origin and unit in place of the file's; local_stores."""
+    """`place`: spacing, origin and unit in place of the file's; local_stores; region."""
     owned = _Owned(None, _si.volume_close)
     with _Call.begin(threads, how=how.alone) as call:
         _si.volume_open(path, _opening(axes, folder, **place), call.run, owned.place)
@@ -280,11 +284,13 @@ def open_surface(path: bytes) -> SurfaceFile:
     return SurfaceFile(path)
 
 
-def write_index(path: bytes, axes: str, folder: bytes, memory: int, threads: int, how: How = _ALONE) -> str:
+def write_index(
+    path: bytes, axes: str, folder: bytes, memory: int, threads: int, how: How = _ALONE, **place: Any
+) -> str:
     """What of the file is left out."""
     told: List[str] = []
     with _Call.begin(threads, told=told, how=how) as call:
-        _si.write_index(path, _opening(axes, folder), memory, call.run)
+        _si.write_index(path, _opening(axes, folder, **place), memory, call.run)
     return "".join(told)
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Optional, Union
+from typing import Optional, Sequence, Union
 
 from . import _library
 from ._arguments import take_path, take_text, take_threads
 from ._edge_index import EdgeIndex
-from ._volume import name_file, open_volume, Volume
+from ._volume import check_region, name_file, open_volume, Volume
 
 #: Bytes that indexing and writing may take, as ParaView's writer.
 MEMORY = 1 << 30
@@ -23,6 +23,7 @@ def open(
     axes: str = "",
     index_folder: Union[str, os.PathLike] = "",
     threads: Optional[int] = None,
+    region: Optional[Sequence[float]] = None,
 ) -> Volume:
     """Opens a volume. Samples are read when the volume is indexed.
 
@@ -42,6 +43,9 @@ def open(
     threads : int, optional
         Threads for each read and extraction; as many as there are cores if it is not given. One is best where
         the caller has many threads itself, as Dask has.
+    region : sequence of six float, optional
+        x0, x1, y0, y1, z0, z1 in the world: of a file of another format, only the part that has this box, which is
+        a volume of whole chunks with its place in the world.
 
     Returns
     -------
@@ -73,7 +77,7 @@ def open(
     name = take_path("path", path)
     if _library.find_kind(os.fsencode(name)) == "edge index":
         return EdgeIndex(name, threads)  # type: ignore[return-value] # as before there was open_surface
-    volume = open_volume(name, step, axes, take_path("index_folder", index_folder), threads)
+    volume = open_volume(name, step, axes, take_path("index_folder", index_folder), threads, check_region(region))
     tell_left_out(name, volume._opened.file.left_out)
     return volume
 
@@ -115,6 +119,8 @@ def index(
     axes: str = "",
     index_folder: Union[str, os.PathLike] = "",
     threads: Optional[int] = None,
+    region: Optional[Sequence[float]] = None,
+    fetch_budget: int = 0,
 ) -> Volume:
     """Indexes a file of another format where it lies, and opens it by the index.
 
@@ -125,13 +131,16 @@ def index(
 
     Parameters
     ----------
-    path, axes, index_folder, threads
-        As for `open`. A few more threads read ahead and write.
+    path, axes, index_folder, threads, region
+        As for `open`. A few more threads read ahead and write. The index of a part is one of its own.
+    fetch_budget : int
+        Bytes that may be fetched from an address; 0: no limit.
 
     Raises
     ------
     OSError
-        The file cannot be read, or the index cannot be written.
+        The file cannot be read, the index cannot be written, or the budget is spent. What was fetched is kept, so
+        that a call with a larger budget goes on.
 
     Examples
     --------
@@ -142,6 +151,7 @@ def index(
     folder = take_path("index_folder", index_folder)
     file = name_file(name)
     _library.find_kind(file)  # says so if there is no such file
-    left_out = _library.write_index(file, take_text("axes", axes), os.fsencode(folder), MEMORY, take_threads(threads))
-    tell_left_out(name, left_out)
-    return open_volume(name, 0, axes, folder, threads)
+    how = take_text("axes", axes), os.fsencode(folder), MEMORY, take_threads(threads)
+    region = check_region(region)
+    tell_left_out(name, _library.write_index(file, *how, region=region, fetch_budget=fetch_budget))
+    return open_volume(name, 0, axes, folder, threads, region)

@@ -78,14 +78,16 @@ def name_file(path: str) -> bytes:
 class _Opened:
     """A file and how it was opened; shared by the volumes that were made of one another."""
 
-    def __init__(self, path: str, axes: str, index_folder: str, threads: Optional[int]) -> None:
-        self.how = (path, axes, index_folder, threads)
+    def __init__(
+        self, path: str, axes: str, index_folder: str, threads: Optional[int], region: Optional[Sequence[float]]
+    ) -> None:
+        self.how = (path, axes, index_folder, threads, region)
         self.path = path
         self.threads = take_threads(threads)
         name = self.name = name_file(path)
         self.is_stored = _library.find_kind(name) == "blocked volume"
         self._file: Optional[_library.VolumeFile] = _library.open_volume(
-            name, take_text("axes", axes), os.fsencode(index_folder), self.threads
+            name, take_text("axes", axes), os.fsencode(index_folder), self.threads, region=region
         )
 
     @property
@@ -459,7 +461,7 @@ class Volume:
                 self._opened.threads,
                 scalar=self._find_scalar(component, level),
                 isovalues=list_isovalues(isovalue),
-                region=_check_region(region),
+                region=check_region(region),
                 normals=bool(normals),
                 attributes=[self._find_array(name) for name in attributes],
                 points=_find_type(dtype),
@@ -496,7 +498,7 @@ class Volume:
                 [32, 40]]])
         """
         return self._opened.file.active_blocks(
-            scalar=self._find_scalar(component), isovalues=list_isovalues(isovalue), region=_check_region(region)
+            scalar=self._find_scalar(component), isovalues=list_isovalues(isovalue), region=check_region(region)
         )
 
     def spectrum(self, component: Optional[int] = None) -> Spectrum:
@@ -551,25 +553,37 @@ class Volume:
         )
 
     def __reduce__(self) -> Any:
-        path, axes, folder, threads = self._opened.how
+        path, axes, folder, threads, region = self._opened.how
         path = path if "://" in path else os.path.abspath(path)
-        how = path, axes, folder and os.path.abspath(folder), threads
+        how = path, axes, folder and os.path.abspath(folder), threads, region
         return _reopen, (*how, self.name, self._step, self._level)
 
 
 def open_volume(
-    path: str, step: int, axes: str = "", index_folder: str = "", threads: Optional[int] = None
+    path: str,
+    step: int,
+    axes: str = "",
+    index_folder: str = "",
+    threads: Optional[int] = None,
+    region: Optional[Sequence[float]] = None,
 ) -> Volume:
     """The first array of a file that has a volume, at level 0."""
-    volume = Volume(_Opened(path, axes, index_folder, threads), 0, 0, 0)
+    volume = Volume(_Opened(path, axes, index_folder, threads, region), 0, 0, 0)
     return volume.at(step)
 
 
 def _reopen(
-    path: str, axes: str, index_folder: str, threads: Optional[int], name: str, step: int, level: int
+    path: str,
+    axes: str,
+    index_folder: str,
+    threads: Optional[int],
+    region: Optional[Sequence[float]],
+    name: str,
+    step: int,
+    level: int,
 ) -> Volume:
     """A volume that was pickled, of a file that may be another one by now."""
-    return open_volume(path, step, axes, index_folder, threads).array(name).level(level)
+    return open_volume(path, step, axes, index_folder, threads, region).array(name).level(level)
 
 
 def list_isovalues(isovalue: Any) -> Sequence[float]:
@@ -579,5 +593,5 @@ def list_isovalues(isovalue: Any) -> Sequence[float]:
     return isovalues.tolist()
 
 
-def _check_region(region: Optional[Sequence[float]]) -> Optional[Sequence[float]]:
+def check_region(region: Optional[Sequence[float]]) -> Optional[Sequence[float]]:
     return None if region is None else take_numbers("region", region, (6,), "x0, x1, y0, y1, z0, z1").tolist()

@@ -4,6 +4,7 @@
 import glob
 import json
 import os
+import pickle
 import shutil
 import subprocess
 import sys
@@ -168,6 +169,125 @@ class Zarrs(AddressTest):
         expected = si.open(self.www("a.zarr")).isosurface(0.3)
         self.assertEqual(surface.triangles.shape, expected.triangles.shape)
         self.assertFalse([code for _, _, code in self.server.requests if code == 206], "chunks were fetched again")
+
+
+@unittest.skipUnless(zarr, "needs the package zarr")
+class Regions(AddressTest):
+    """What is looked at is a part of a volume, and is fetched alone."""
+
+    #: Of chunks 1 to 2 on each axis.
+    BOUNDS = (20, 45, 18, 40, 17, 33)
+
+    def setUp(self):
+        super().setUp()
+        os.environ["SCALABLE_ISOSURFACE_CACHE_BYTES"] = "0"
+        self.samples = make_waves((130, 140, 150))
+        write_array_2(self.www("a.zarr"), self.samples, CHUNK)
+        self.whole = si.open(self.www("a.zarr"))
+        self.address = f"{self.server.url}/a.zarr"
+
+    def check_fetched(self, boxes):
+        """What was fetched since forget() is at most 1.1 times the chunks that are crossed by [low, high), x y z."""
+        crossed = 1
+        for low, high in boxes:
+            crossed *= (high - 1) // 16 - low // 16 + 1
+        chunks = [path for path, _, _ in self.server.requests if path.rpartition("/")[2][0].isdigit()]
+        self.assertTrue(chunks)
+        self.assertLessEqual(len(chunks), 1.1 * crossed)
+        sizes = [os.path.getsize(path) for path in glob.glob(self.www("a.zarr/*.*.*"))]
+        self.assertLess(self.server.sent, 1.1 * crossed * max(sizes) + 20000)
+
+    def check_same(self, surface, expected):
+        for name in ("points", "triangles", "normals"):
+            self.assertEqual(getattr(surface, name).tobytes(), getattr(expected, name).tobytes(), name)
+        self.assertGreater(len(surface.triangles), 100)
+
+    def test_the_surface_of_a_region_is_exact_and_fetches_its_blocks_alone(self):
+        volume = si.open(self.address)
+        self.server.forget()
+        surface = volume.isosurface(0.3, region=self.BOUNDS, normals=False)
+        self.check_fetched([(0, 65), (0, 65), (0, 65)])
+        self.assertEqual(surface.points.tobytes(), self.whole.isosurface(0.3, region=self.BOUNDS).points.tobytes())
+        self.server.forget()
+        volume.isosurface(0.2, region=self.BOUNDS, normals=False)
+        self.assertFalse([1 for _, asked, _ in self.server.requests if asked == "bytes=0-2097151"])
+        bounds = (70, 90, 100, 120, 65, 90)
+        volume = si.open(self.address)
+        self.server.forget()
+        self.check_same(volume.isosurface(0.3, region=bounds), self.whole.isosurface(0.3, region=bounds))
+        self.check_fetched([(32, 98), (64, 130), (32, 98)])  # with a block for normals
+        boxes = volume.active_blocks(0.3, region=bounds)
+        self.assertEqual(sorted(map(str, boxes)), sorted(map(str, self.whole.active_blocks(0.3, region=bounds))))
+
+    def test_regions_of_caps_and_islands_are_those_of_the_whole_volume(self):
+        for how in ({"close_boundary": True}, {"maximum_islands": 1}):
+            with self.subTest(how):
+                surface, expected = (
+                    volume.isosurface(0.3, region=self.BOUNDS, normals=False, **how)
+                    for volume in (si.open(self.address), self.whole)
+                )
+                self.assertEqual(surface.points.tobytes(), expected.points.tobytes())
+
+    def test_a_region_beside_the_volume_has_no_surface(self):
+        surface = si.open(self.address).isosurface(0.3, region=(500, 600, 0, 10, 0, 10))
+        self.assertEqual(len(surface.triangles), 0)
+
+    def test_a_part_is_a_volume_with_its_place(self):
+        part = si.open(f"{self.address}:[16-47,32-63,48-79]")
+        self.assertEqual((part.shape, part.origin), ((32, 32, 32), (16, 32, 48)))
+        self.server.forget()
+        numpy.testing.assert_array_equal(part[...], self.samples[48:80, 32:64, 16:48])
+        self.check_fetched([(16, 48), (32, 64), (48, 80)])
+        path = self.path("part.bvol")
+        for name in (f"{self.address}:[16-47,32-63,48-79]", self.www("a.zarr") + ":[16-47,32-63,48-79]"):
+            shutil.rmtree(path, ignore_errors=True)
+            self.server.forget()
+            subprocess.run([BLOCKVOLUME, "--quiet", "--in-place", name, path], check=True)
+            numpy.testing.assert_array_equal(si.open(path)[...], self.samples[48:80, 32:64, 16:48])
+        region = si.open(self.address, region=(20, 40, 34, 60, 50, 70))
+        self.assertEqual((region.shape, region.origin), ((32, 32, 32), (16, 32, 48)))
+        self.assertEqual(pickle.loads(pickle.dumps(region)).shape, region.shape)
+        numpy.testing.assert_array_equal(region[...], part[...])
+        with self.assertRaisesRegex(ValueError, "the region is beside the volume"):
+            si.open(self.address, region=(500, 600, 0, 1, 0, 1))
+        for wrong in ("[0-150,0-1,0-1]", "[5-4,0-1,0-1]"):
+            with self.assertRaisesRegex(ValueError, "has 150 x 140 x 130 samples, and no such part"):
+                si.open(f"{self.address}:{wrong}")
+
+
+    def test_the_index_of_a_region_fetches_it_alone_and_gives_its_exact_surface(self):
+        self.server.forget()
+        bounds = (50, 70, 40, 60, 30, 60)
+        volume = si.index(self.address, region=bounds)
+        self.check_fetched([(48, 80), (32, 64), (16, 64)])
+        expected = si.open(self.www("a.zarr") + ":[48-79,32-63,16-63]").isosurface(0.3)
+        self.check_same(volume.isosurface(0.3), expected)
+        self.check_same(si.open(self.address, region=bounds).isosurface(0.3), expected)
+        self.assertEqual(si.open(self.address).shape, self.samples.shape)
+
+    def test_a_budget_ends_the_index_and_a_larger_one_goes_on(self):
+        os.environ.pop("SCALABLE_ISOSURFACE_CACHE_BYTES")
+        whole = sum(os.path.getsize(path) for path in glob.glob(self.www("a.zarr/*.*.*")))
+        self.server.latency = 0.02
+        self.server.forget()
+        pattern = r"a.zarr: the budget of bytes is spent: .* of 11 MB fetched, at most 2.0 MB; \d+ % is indexed"
+        with self.assertRaisesRegex(OSError, pattern):
+            si.index(self.address, fetch_budget=2000000)
+        sent = self.server.sent
+        self.assertLess(sent, 2.0e6 + 32 * 10000 * 3)  # and what was under way
+        self.server.forget()
+        surface = si.index(self.address).isosurface(0.3)
+        self.assertLess(self.server.sent, whole - 1.5e6)
+        self.assertEqual(surface.points.tobytes(), self.whole.isosurface(0.3).points.tobytes())
+        done = subprocess.run(
+            [BLOCKVOLUME, "--in-place", "--fetch-budget", "1", self.address, self.path("a.bvol")],
+            env={**os.environ, "SCALABLE_ISOSURFACE_CACHE_BYTES": "0"},
+            stderr=subprocess.PIPE,
+            check=False,
+            text=True,
+        )
+        self.assertNotEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, "the budget of bytes is spent")
 
 
 class FaultyServer(AddressTest):

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/BackgroundTask.h"
 
+#include "Ground/Base/ReadingStop.h"
+
 #include <chrono>
 #include <utility>
 
@@ -44,6 +46,8 @@ void BackgroundTask::Run(const std::string& context, const Work& work)
     this->Done = fraction;
     return !this->Stopped;
   };
+  const Progress look = [this](double) { return !this->Stopped; };
+  const ReadingStop stop(look);
   this->EndStatus = Attempt(context, [&] { return work(advance); });
   const std::lock_guard<std::mutex> lock(this->Mutex);
   this->HasEnded = true;

@@ -492,7 +492,7 @@ std::atomic<FileSystem*> OtherFileSystem = nullptr; ///< UseFileSystem
 
 } // namespace
 
-thread_local const Progress* ReadingStop::Current = nullptr;
+thread_local const ReadingStop* ReadingStop::Current = nullptr;
 
 std::string FindBeside(const std::string& path, const std::string& name)
 {

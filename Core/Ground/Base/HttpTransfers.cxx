@@ -43,6 +43,8 @@ constexpr int MaximumRedirects = 5;
 /// For so long, a host that cannot be reached is not asked again.
 constexpr std::chrono::seconds HostPause{ 3 };
 
+std::atomic<std::uint64_t> FetchedBytes = 0;
+
 /// The seconds without a byte after which a server stalls.
 long GetStallSeconds()
 {
@@ -123,6 +125,7 @@ std::size_t TakeBody(const Curl& curl, Transfer& transfer, const char* bytes, st
   answer.IsCut = size > room;
   const std::size_t taken = answer.IsCut ? static_cast<std::size_t>(room) : size;
   answer.Body.insert(answer.Body.end(), bytes, bytes + taken);
+  FetchedBytes += taken;
   return answer.IsCut ? 0 : size;
 }
 
@@ -512,6 +515,11 @@ Result<HttpAnswer> FetchOne(const std::string& name, const HttpRequest& request)
 }
 
 } // namespace
+
+std::uint64_t HttpTransfers::CountFetchedBytes()
+{
+  return FetchedBytes;
+}
 
 Result<HttpAnswer> HttpTransfers::Fetch(const std::string& name, HttpRequest request)
 {

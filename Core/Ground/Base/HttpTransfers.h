@@ -53,6 +53,8 @@ public:
   /// Waits for the answer, which may have any code. Any thread may call it. `name`: the address, for
   /// errors. Errors: IoError, Unsupported; Aborted (ReadingStop).
   static Result<HttpAnswer> Fetch(const std::string& name, HttpRequest request);
+  /// The bytes of all bodies that this process has fetched.
+  static std::uint64_t CountFetchedBytes();
 };
 
 } // namespace isosurface

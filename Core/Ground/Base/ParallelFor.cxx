@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/ParallelFor.h"
 
+#include "Ground/Base/ReadingStop.h"
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <system_error>
@@ -49,6 +52,23 @@ public:
       const std::lock_guard<std::mutex> lock(this->FailureMutex);
       this->Failure = std::current_exception();
       this->Stopped = true;
+    }
+  }
+
+  /// Of a helper, and of the calling thread, which is asked meanwhile whether all are to stop.
+  void TellEnd()
+  {
+    const std::lock_guard<std::mutex> lock(this->EndMutex);
+    ++this->Ended;
+    this->HasEnded.notify_all();
+  }
+  void WaitForEnds(std::size_t helpers)
+  {
+    std::unique_lock<std::mutex> lock(this->EndMutex);
+    constexpr std::chrono::milliseconds pause{ 100 };
+    while (!this->HasEnded.wait_for(lock, pause, [&] { return this->Ended == helpers; }))
+    {
+      static_cast<void>(ReadingStop::IsWanted());
     }
   }
 
@@ -102,6 +122,9 @@ private:
   std::atomic<bool> Stopped{ false };
   std::exception_ptr Failure;
   std::mutex FailureMutex;
+  std::mutex EndMutex; ///< guards Ended
+  std::condition_variable HasEnded;
+  std::size_t Ended = 0; ///< helpers
 };
 
 } // namespace
@@ -120,11 +143,18 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
     std::min<std::size_t>(count, static_cast<std::size_t>(std::max(1, threads)));
   std::vector<std::thread> helpers;
   helpers.reserve(useful);
+  const auto token = ReadingStop::Share();
   try
   {
     for (std::size_t thread = 1; thread < useful; ++thread)
     {
-      helpers.emplace_back([&loop, thread] { loop.Run(static_cast<int>(thread)); });
+      helpers.emplace_back(
+        [&, thread]
+        {
+          const ReadingStop stop(token);
+          loop.Run(static_cast<int>(thread));
+          loop.TellEnd();
+        });
     }
   }
   catch (const std::system_error&)
@@ -132,6 +162,10 @@ bool ParallelFor(std::size_t count, int threads, const std::function<void(std::s
     // The system gives no more threads: those that are there do the work.
   }
   loop.Run(0);
+  if (token)
+  {
+    loop.WaitForEnds(helpers.size());
+  }
   for (std::thread& helper : helpers)
   {
     helper.join();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/ParallelQueue.h"
 
+#include "Ground/Base/ReadingStop.h"
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
@@ -188,7 +190,12 @@ bool ParallelQueue(const std::function<std::vector<std::size_t>()>& take, std::s
   {
     for (int thread = 1; thread < useful; ++thread)
     {
-      helpers.emplace_back([&loop, thread] { loop.Follow(thread); });
+      helpers.emplace_back(
+        [&loop, thread, token = ReadingStop::Share()]
+        {
+          const ReadingStop stop(token);
+          loop.Follow(thread);
+        });
     }
   }
   catch (const std::system_error&)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Ground/Base/PrintableText.h"
 
+#include <array>
 #include <cstddef>
+#include <cstdio>
 
 namespace isosurface
 {
@@ -25,6 +27,21 @@ std::string MakePrintable(const std::string& text)
     printable += { '\\', 'x', digits[byte >> 4], digits[byte & 15] };
   }
   return printable;
+}
+
+std::string DescribeBytes(double bytes)
+{
+  const std::array<const char*, 6> units = { "B", "kB", "MB", "GB", "TB", "PB" };
+  std::size_t unit = 0;
+  while (bytes >= 1000 && unit + 1 < units.size())
+  {
+    bytes /= 1000;
+    ++unit;
+  }
+  std::array<char, 32> text{};
+  std::snprintf(
+    text.data(), text.size(), bytes < 10 && unit > 0 ? "%.1f %s" : "%.0f %s", bytes, units[unit]);
+  return text.data();
 }
 
 } // namespace isosurface

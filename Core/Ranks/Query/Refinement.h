@@ -33,9 +33,10 @@ struct Refinement
   int FittingLevel = 0; ///< the finest level that fits into memory
   double Share = 0;     ///< of the work that is done, 0 to 1
   double Triangles = 0; ///< of the next level, estimated, of all ranks
-  double Bytes = 0;     ///< of memory that these need on a rank
-  double FreeBytes = 0; ///< of memory that the rank with the minimum has; 0: unknown
-  double Seconds = -1;  ///< that the index still takes; negative: unknown
+  double Bytes = 0;     ///< of memory that these need on a rank; of an index: that were fetched
+  double FreeBytes =
+    0; ///< of memory that the rank with the minimum has; of an index: that may be; 0: unknown
+  double Seconds = -1; ///< that the index still takes; negative: unknown
 
   /// All members, in their order, as the elements of a property of ParaView.
   using Values = std::array<double, 10>;

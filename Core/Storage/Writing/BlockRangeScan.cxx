@@ -2,6 +2,7 @@
 #include "Storage/Writing/BlockRangeScan.h"
 
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ground/Volume/Magnitude.h"
 #include "Ground/Volume/SampleRange.h"
 
@@ -140,7 +141,11 @@ Status BlockRangeScan::Scan(BoxSource& source, const std::vector<VertexBox>& own
   const auto read = [&](std::size_t slab)
   {
     return std::async(source.CanReadAhead() ? std::launch::async : std::launch::deferred,
-      [&source, box = slabs[slab]] { return source.Read(box); });
+      [&source, box = slabs[slab], token = ReadingStop::Share()]
+      {
+        const ReadingStop stop(token);
+        return source.Read(box);
+      });
   };
   std::future<Result<BoxSamples>> next;
   if (!slabs.empty())
@@ -149,6 +154,7 @@ Status BlockRangeScan::Scan(BoxSource& source, const std::vector<VertexBox>& own
   }
   for (std::size_t slab = 0; slab < slabs.size(); ++slab)
   {
+    ReadingStop::WaitFor(next);
     ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, next.get());
     if (slab + 1 < slabs.size())
     {

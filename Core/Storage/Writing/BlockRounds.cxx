@@ -2,6 +2,7 @@
 #include "Storage/Writing/BlockRounds.h"
 
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/ReadingStop.h"
 
 #include <algorithm>
 #include <string>
@@ -263,8 +264,9 @@ Status BlockRounds::PlanRound(const BlockRoundsSteps& steps, std::vector<BlockSp
 Status BlockRounds::StartRound(const BlockRoundsSteps& steps, Round& round)
 {
   ISOSURFACE_RETURN_IF_ERROR(this->PlanRound(steps, round.Spans));
-  const auto read = [this, &steps, spans = round.Spans]
+  const auto read = [this, &steps, spans = round.Spans, token = ReadingStop::Share()]
   {
+    const ReadingStop stop(token);
     RoundSamples samples;
     samples.OfRank.resize(spans.size());
     samples.Outcome = Attempt(
@@ -422,6 +424,7 @@ Status BlockRounds::Run(const BlockRoundsSteps& steps)
     ISOSURFACE_RETURN_IF_ERROR(steps.Agree(Attempt(
       [&]
       {
+        ReadingStop::WaitFor(round.Reading);
         samples = round.Reading.get();
         return samples.Outcome;
       })));

@@ -270,6 +270,12 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
         what = self.values["RawSamples"] or self.values["Dataset"].replace("automatic", "")
         return f"{path}:{what}" if what else path, self.values["Axes"], self.values["IndexFolder"]
 
+    def place(self):
+        box = self.values["FetchRegion"]
+        is_box = all(low <= high for low, high in zip(box[::2], box[1::2]))
+        fetch = {"fetch_budget": self.values["FetchBudget"] << 20}
+        return {**super().place(), **fetch, "region": box if is_box else None}
+
     def CanReadFile(self, path):
         try:
             name = os.fsencode(path)
@@ -332,7 +338,7 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
                 self._growing = _library.GrowingFile(*given, step, memory, self.how, **self.place())
                 self.take(None if self.polled else 0.1)
             else:
-                _library.write_index(*given, memory, 0, self.how)
+                _library.write_index(*given, memory, 0, self.how, **self.place())
                 self.file = self.open_file(self.place())
 
     def finish(self):
