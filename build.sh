@@ -12,8 +12,9 @@
 set -eu
 cd "$(dirname "$0")"
 
+begin=$(date +%s)
 say() { # step
-  printf '\n== %s\n' "$1"
+  printf '\n== %s s: %s\n' "$(($(date +%s) - begin))" "$1"
 }
 
 # "paraview" or "vtk"; "all", or nothing to leave out those that only development needs
@@ -104,6 +105,8 @@ case "${1:-}" in
     configure asan
     compile asan
     run_tests asan
+    say "Passed; of the processors, by this shell and what it ran, each user and system:"
+    times
     ;;
   test)
     install_packages paraview
@@ -122,7 +125,8 @@ case "${1:-}" in
     say "What the sanitizers said"
     cat "$log"
     [ -z "$failed" ] || exit 1
-    say "All tests passed"
+    say "All tests passed; of the processors, by this shell and what it ran, each user and system:"
+    times
     ;;
   *)
     sed -n '2,11s/^# \{0,1\}//p' "$0"

@@ -28,7 +28,7 @@ PROPERTIES = '{"settings": {"RenderViewSettings": {"LODThreshold": 0.01}}}'
 # What File > Connect... lists.
 SERVERS = """<Servers><Server name="two ranks" resource="cs://localhost:%d"><ManualStartup/></Server></Servers>"""
 SCREEN = (1366, 768)
-POLL_SECONDS = 0.2  # what it looks at takes the window a twentieth of a second
+POLL_SECONDS = 0.05
 AGAIN_SECONDS = 3
 STEP_SECONDS = WAIT_SECONDS / 5  # one wait; a step takes seconds where nothing else runs
 END_WITH_PARENT = 1  # PR_SET_PDEATHSIG
