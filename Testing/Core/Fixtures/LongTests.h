@@ -7,6 +7,12 @@
 /// Whether the long variants of tests are wanted (ISOSURFACE_LONG_TESTS of CMake).
 constexpr bool LongTests = ISOSURFACE_LONG_TESTS != 0;
 
+/// How many of so many random volumes are looked at.
+constexpr int ChooseTrials(int all)
+{
+  return LongTests ? all : all / 3;
+}
+
 /// The numbers of ranks that a claim about any number is tested with: one rank has nobody to talk to,
 /// three are fewer than most volumes have stores, seven more.
 inline std::vector<int> GetNumbersOfRanks()

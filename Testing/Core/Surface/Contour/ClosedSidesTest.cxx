@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/LongTests.h"
 #include "Fixtures/TriangleSet.h"
 #include "Ground/Volume/BlockSelection.h"
 #include "Surface/Contour/GridBlockSource.h"
@@ -131,7 +132,7 @@ TYPED_TEST(ClosedSidesOfType, RandomGridsEqualPaddedOnesMovedIntoTheGrid)
 {
   std::mt19937 random(60);
   std::uniform_int_distribution<int> size(2, 8);
-  for (int trial = 0; trial < 150; ++trial)
+  for (int trial = 0; trial < ChooseTrials(150); ++trial)
   {
     SampleVolume<TypeParam> volume({ size(random), size(random), size(random) });
     for (TypeParam& sample : volume.Samples)
@@ -147,7 +148,7 @@ TYPED_TEST(ClosedSidesOfType, WhatIsBelowIsBoundByTheTurnedTrianglesOfGridsPadde
 {
   std::mt19937 random(63);
   std::uniform_int_distribution<int> size(2, 8);
-  for (int trial = 0; trial < 150; ++trial)
+  for (int trial = 0; trial < ChooseTrials(150); ++trial)
   {
     SampleVolume<TypeParam> volume({ size(random), size(random), size(random) });
     for (TypeParam& sample : volume.Samples)
@@ -334,7 +335,7 @@ TEST(ClosedSides, OnlyTheRequestedSidesAreClosed)
 TEST(ClosedSides, UnionOfRanksEqualsOneRank)
 {
   std::mt19937 random(64);
-  for (int trial = 0; trial < 120; ++trial)
+  for (int trial = 0; trial < ChooseTrials(120); ++trial)
   {
     const auto volume = MakeRandomVolume<std::uint8_t>(random, { 9, 8, 7 }, 4);
     const int blockSize = 1 + trial % 4;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/LongTests.h"
 #include "Fixtures/TriangleSet.h"
 
 #include <gtest/gtest.h>
@@ -79,7 +80,7 @@ TYPED_TEST(DegenerateTrianglesOfType, RandomGridsHaveTheOraclesOtherTriangles)
 {
   std::mt19937 random(50);
   std::uniform_int_distribution<int> size(2, 9);
-  for (int trial = 0; trial < 200; ++trial)
+  for (int trial = 0; trial < ChooseTrials(200); ++trial)
   {
     SampleVolume<TypeParam> volume({ size(random), size(random), size(random) });
     for (TypeParam& sample : volume.Samples)
@@ -156,7 +157,7 @@ TEST(DegenerateTriangles, TheSurfaceOfNoiseStaysClosed)
 TEST(DegenerateTriangles, UnionOfRanksEqualsOneRank)
 {
   std::mt19937 random(53);
-  for (int trial = 0; trial < 100; ++trial)
+  for (int trial = 0; trial < ChooseTrials(100); ++trial)
   {
     const auto volume = MakeRandomVolume<std::uint8_t>(random, { 9, 8, 7 }, 4);
     const int blockSize = 1 + trial % 4;

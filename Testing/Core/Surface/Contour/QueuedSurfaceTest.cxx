@@ -2,6 +2,7 @@
 // Surfaces of blocks that become known during the extraction: those of a source that has them from
 // the start, bit for bit.
 #include "Fixtures/AttributedSource.h"
+#include "Fixtures/LongTests.h"
 #include "Fixtures/PlainContour.h"
 #include "Ground/Volume/BlockQueue.h"
 #include "Surface/Contour/SurfaceExtractor.h"
@@ -104,7 +105,7 @@ void CheckSubset(const ContourRequest& request, std::mt19937& random)
 TEST(QueuedSurface, IsThatOfASourceOfTheSameBlocks)
 {
   std::mt19937 random(50);
-  for (int trial = 0; trial < 60; ++trial)
+  for (int trial = 0; trial < ChooseTrials(60); ++trial)
   {
     CheckSubset(MakeRequest(), random);
   }
@@ -113,7 +114,7 @@ TEST(QueuedSurface, IsThatOfASourceOfTheSameBlocks)
 TEST(QueuedSurface, IsTheSameWithPolygonsClosedSidesAndWithoutDegenerateTriangles)
 {
   std::mt19937 random(51);
-  for (int trial = 0; trial < 60; ++trial)
+  for (int trial = 0; trial < ChooseTrials(60); ++trial)
   {
     ContourRequest request = MakeRequest();
     request.Polygons = trial % 5 == 0;

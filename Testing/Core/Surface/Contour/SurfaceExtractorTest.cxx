@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Fixtures/LongTests.h"
 #include "Fixtures/PlainContour.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +60,7 @@ TYPED_TEST(SurfaceOfType, RandomSmallGridsInSmallBlocksEqualOracle)
   std::mt19937 random(20);
   std::uniform_int_distribution<int> size(1, 9);
   std::uniform_int_distribution<int> blockSize(1, 5);
-  for (int trial = 0; trial < 300; ++trial)
+  for (int trial = 0; trial < ChooseTrials(300); ++trial)
   {
     const Index3 dimensions{ size(random), size(random), size(random) };
     const auto volume = MakeRandomVolume<TypeParam>(random, dimensions, trial % 2 == 0 ? 4 : 100);
@@ -123,7 +124,7 @@ TEST(SurfaceExtractor, WideIntegersThatRoundToTheSameDoubleAreDistinguished)
 TEST(SurfaceExtractor, InfinitiesAndNaNEqualOracle)
 {
   std::mt19937 random(23);
-  for (int trial = 0; trial < 100; ++trial)
+  for (int trial = 0; trial < ChooseTrials(100); ++trial)
   {
     auto volume = MakeRandomVolume<float>(random, { 5, 6, 4 }, 10);
     for (float& sample : volume.Samples)
