@@ -172,8 +172,7 @@ extern "C"
 
   /* The attributes of a dataset in HDF5, Zarr, N5 or DICOM, as an object of JSON, in one text; "" if there are none.
    * `axes` as in si_opening, or NULL. */
-  SI_API si_result si_read_attributes(
-    const char* name, const char* axes, const si_run* run, si_texts** json);
+  SI_API si_result si_read_attributes(const char* name, const char* axes, const si_run* run, si_texts** json);
 
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Volumes */
@@ -182,17 +181,13 @@ extern "C"
   typedef struct si_opening
   {
     size_t size;
-    const char*
-      axes; /* what the axes of a dataset are, the slowest first, of the letters x y z t c */
-    const char*
-      index_folder;        /* where the index of a file of another format may be; NULL: beside it */
-    const double* spacing; /* three, in place of the file's */
-    const double* origin;  /* three, of the first vertex */
-    const char* length_unit; /* "mm", "um", ... */
-    int32_t
-      local_stores; /* not 0: stores may be on disks that one rank reaches, and ranks share whole stores */
-    const double*
-      region; /* x0 x1 y0 y1 z0 z1: only the part of a file of another format that has this box; NULL: all */
+    const char* axes;         /* what the axes of a dataset are, the slowest first, of the letters x y z t c */
+    const char* index_folder; /* where the index of a file of another format may be; NULL: beside it */
+    const double* spacing;    /* three, in place of the file's */
+    const double* origin;     /* three, of the first vertex */
+    const char* length_unit;  /* "mm", "um", ... */
+    int32_t local_stores; /* not 0: stores may be on disks that one rank reaches, and ranks share whole stores */
+    const double* region; /* x0 x1 y0 y1 z0 z1: only the part of a file of another format that has this box; NULL: all */
     uint64_t fetch_budget; /* bytes that indexing may fetch from an address; 0: no limit */
   } si_opening;
 
@@ -222,10 +217,9 @@ extern "C"
     const char* path; /* of the volume, or of the index that was opened in its place */
     size_t array_count;
     const si_array* arrays;
-    size_t step_count;   /* time steps, at least 1 */
-    const double* times; /* of each; NaN where the file does not tell */
-    size_t
-      level_count; /* levels of detail: 0 is all samples, each next one every second of them on each axis */
+    size_t step_count;    /* time steps, at least 1 */
+    const double* times;  /* of each; NaN where the file does not tell */
+    size_t level_count;   /* levels of detail: 0 is all samples, each next one every second of them on each axis */
     const char* left_out; /* what of the file is not read; "" if all is */
   } si_volume_info;
   /* Lives until the volume is closed. */
@@ -238,14 +232,13 @@ extern "C"
     size_t size;
     int64_t dimensions[3]; /* vertices on each axis */
     double spacing[3];
-    double origin[3];        /* of the first vertex */
-    double direction[9];     /* row by row; its columns are the directions of the axes */
-    const double* lines[3];  /* of a rectilinear grid the coordinates on each axis; else NULL */
+    double origin[3];    /* of the first vertex */
+    double direction[9]; /* row by row; its columns are the directions of the axes */
+    const double* lines[3]; /* of a rectilinear grid the coordinates on each axis; else NULL */
     const char* length_unit; /* "" or NULL if it is not known */
-    int64_t chunk[3];        /* the vertices that are best read together; 0: any */
-    int64_t first
-      [3]; /* the number of the first vertex on each axis, where images count from another one than 0; */
-    double zero[3]; /* then vertex 0 is here, and the origin says nothing */
+    int64_t chunk[3];       /* the vertices that are best read together; 0: any */
+    int64_t first[3];       /* the number of the first vertex on each axis, where images count from another one than 0; */
+    double zero[3];         /* then vertex 0 is here, and the origin says nothing */
   } si_grid;
   /* Of a level. Lives until the volume is closed. NULL if there is no such level. */
   SI_API const si_grid* si_volume_grid(si_volume* volume, size_t level);
@@ -288,8 +281,8 @@ extern "C"
   /* Values at points of the world, x y z each, interpolated: `values` has `count` tuples of the array's type, and
    * `inside` (may be NULL) 1 for each point within the grid, else 0; values of points beyond it are left as they were.
    * The component of the scalar does not count: tuples have all. `nearest`: not 0 for the nearest sample. */
-  SI_API si_result si_volume_probe(si_volume* volume, const si_scalar* scalar, int nearest,
-    size_t count, const double* points, void* values, uint8_t* inside, const si_run* run);
+  SI_API si_result si_volume_probe(si_volume* volume, const si_scalar* scalar, int nearest, size_t count,
+    const double* points, void* values, uint8_t* inside, const si_run* run);
 
   /* A plane's samples: an image of dimensions[0] * dimensions[1] points. */
   typedef struct si_slice
@@ -297,15 +290,13 @@ extern "C"
     size_t size;
     const si_grid* grid; /* one vertex on the third axis */
     size_t level;
-    void* values; /* tuples of the array's type */
-    const uint8_t*
-      inside; /* 1 for points within the volume, else 0; there the values are 0 or NaN */
+    void* values;          /* tuples of the array's type */
+    const uint8_t* inside; /* 1 for points within the volume, else 0; there the values are 0 or NaN */
   } si_slice;
   /* Cuts the array by the plane with this origin and normal, at the finest level from the scalar's on at which it
    * has at most `most_points` (0: any number). `*slice` becomes NULL if the plane does not meet the volume. */
-  SI_API si_result si_volume_slice(si_volume* volume, const si_scalar* scalar,
-    const double origin[3], const double normal[3], double most_points, const si_run* run,
-    si_slice** slice);
+  SI_API si_result si_volume_slice(si_volume* volume, const si_scalar* scalar, const double origin[3],
+    const double normal[3], double most_points, const si_run* run, si_slice** slice);
   SI_API void si_slice_free(si_slice* slice);
 
   /* ---------------------------------------------------------------------------------------------------------- */
@@ -347,32 +338,26 @@ extern "C"
     si_scalar scalar;
     size_t isovalue_count;
     const double* isovalues;
-    const double* region;     /* x0 x1 y0 y1 z0 z1: only blocks that meet this box; NULL: all */
-    size_t attribute_count;   /* other arrays, interpolated at the points */
-    const size_t* attributes; /* their numbers */
-    int32_t normals;          /* not 0: from the gradients of the samples */
-    int32_t global_ids;       /* not 0: numbers of the points that are the same on all ranks */
-    int32_t points; /* 0, SI_FLOAT32 or SI_FLOAT64; 0: float32 unless that is too coarse */
-    int32_t
-      closed; /* 1: closed at the sides of the volume; -1: around what is below the isovalue */
+    const double* region;             /* x0 x1 y0 y1 z0 z1: only blocks that meet this box; NULL: all */
+    size_t attribute_count;           /* other arrays, interpolated at the points */
+    const size_t* attributes;         /* their numbers */
+    int32_t normals;                  /* not 0: from the gradients of the samples */
+    int32_t global_ids;               /* not 0: numbers of the points that are the same on all ranks */
+    int32_t points;                   /* 0, SI_FLOAT32 or SI_FLOAT64; 0: float32 unless that is too coarse */
+    int32_t closed;                   /* 1: closed at the sides of the volume; -1: around what is below the isovalue */
     int32_t drop_degenerate_triangles; /* not 0; those of closed surfaces always are */
-    int32_t island_size;               /* SI_BY_TRIANGLES, ... */
-    double minimum_island;             /* smaller connected parts are left out */
-    uint64_t maximum_islands;          /* of each isovalue, the largest; 0: all */
-    uint64_t
-      maximum_triangles;    /* of all ranks; 0: any number. A coarser level is taken if need be, */
-    double maximum_seconds; /* likewise if it is expected to take longer */
-    int32_t
-      vtk_version; /* as 902, for VTK 9.2: offsets, the width of corners and the last bits of normals are as there */
-    int32_t polygons; /* not 0: one for each sheet in a cell, in place of triangles */
-    int32_t
-      skip_not_a_number; /* not 0: there is no surface in cells with a NaN; 0: NaN is below the isovalue */
-    int32_t island_ids; /* not 0: the island of each triangle */
-    const double*
-      island_point; /* x y z: of the islands that are left only the one that is nearest; NULL: all */
-    size_t half_space_count; /* only blocks that meet all of them: */
-    const double*
-      half_spaces; /* four numbers each, a normal n and d: points p with n * p of at most d */
+    int32_t island_size;              /* SI_BY_TRIANGLES, ... */
+    double minimum_island;            /* smaller connected parts are left out */
+    uint64_t maximum_islands;         /* of each isovalue, the largest; 0: all */
+    uint64_t maximum_triangles;       /* of all ranks; 0: any number. A coarser level is taken if need be, */
+    double maximum_seconds;           /* likewise if it is expected to take longer */
+    int32_t vtk_version;       /* as 902, for VTK 9.2: offsets, the width of corners and the last bits of normals are as there */
+    int32_t polygons;          /* not 0: one for each sheet in a cell, in place of triangles */
+    int32_t skip_not_a_number; /* not 0: there is no surface in cells with a NaN; 0: NaN is below the isovalue */
+    int32_t island_ids;        /* not 0: the island of each triangle */
+    const double* island_point; /* x y z: of the islands that are left only the one that is nearest; NULL: all */
+    size_t half_space_count;    /* only blocks that meet all of them: */
+    const double* half_spaces;  /* four numbers each, a normal n and d: points p with n * p of at most d */
   } si_surface_request;
 
   /* How many triangles there are in the whole volume, without the islands' and the region's limits: an estimate, but
@@ -427,26 +412,23 @@ extern "C"
     int32_t point_type;  /* SI_FLOAT32 or SI_FLOAT64 */
     int32_t corner_type; /* SI_INT32, or SI_INT64 if that does not suffice */
     void* points;        /* x y z each */
-    void* corners;  /* three numbers of points a triangle, counter-clockwise seen from low values */
-    float* normals; /* x y z each, from high to low values; NULL if they were not asked for */
+    void* corners;       /* three numbers of points a triangle, counter-clockwise seen from low values */
+    float* normals;      /* x y z each, from high to low values; NULL if they were not asked for */
     int64_t* global_ids; /* NULL if they were not asked for */
     size_t part_count;   /* one for each isovalue, in the order of the request */
     const double* isovalues;
-    const int64_t*
-      first_points; /* part_count + 1: part n has the points from first_points[n] on, */
+    const int64_t* first_points;    /* part_count + 1: part n has the points from first_points[n] on, */
     const int64_t* first_triangles; /* and the triangles from first_triangles[n] on */
     size_t attribute_count;
     const si_values* attributes;
     size_t level; /* coarser than asked for if a limit wanted it */
-    const void*
-      offsets; /* triangle_count + 1 of corner_type: polygon n has the corners from number offsets[n] on; NULL
+    const void* offsets; /* triangle_count + 1 of corner_type: polygon n has the corners from number offsets[n] on; NULL
                           * unless vtk_version or polygons were asked for */
-    const int64_t*
-      island_ids; /* of each triangle: the place of its island among all, 0 is the largest; or NULL */
+    const int64_t* island_ids; /* of each triangle: the place of its island among all, 0 is the largest; or NULL */
     const si_islands* islands; /* part_count; NULL if islands were not looked for */
-    size_t block_count; /* of images that are several fields (si_images_extract); 0: there is one */
-    const si_path* blocks;    /* of all ranks, ascending */
-    const int32_t* block_ids; /* of each point: the number of its block */
+    size_t block_count;        /* of images that are several fields (si_images_extract); 0: there is one */
+    const si_path* blocks;     /* of all ranks, ascending */
+    const int32_t* block_ids;  /* of each point: the number of its block */
   } si_surface;
   SI_API void si_surface_free(si_surface* surface);
 
@@ -469,21 +451,16 @@ extern "C"
   typedef struct si_piece
   {
     size_t size;
-    const si_grid*
-      grid; /* of these samples; `first` and `zero` are their place in the whole image */
-    const int64_t*
-      whole; /* x0 x1 y0 y1 z0 z1 of that, inclusive, counted as `first` is; NULL: not known */
-    const int64_t*
-      own; /* x0 x1 y0 y1 z0 z1 of the vertices [x0, x1) of these samples between which this piece is
+    const si_grid* grid;  /* of these samples; `first` and `zero` are their place in the whole image */
+    const int64_t* whole; /* x0 x1 y0 y1 z0 z1 of that, inclusive, counted as `first` is; NULL: not known */
+    const int64_t* own;   /* x0 x1 y0 y1 z0 z1 of the vertices [x0, x1) of these samples between which this piece is
                            * contoured: others have the rest, too; NULL: all of them */
     size_t array_count;
     const si_array* arrays;
-    const void* const* samples; /* of each array: its tuples */
-    const uint8_t*
-      hidden_cells; /* of each cell: not 0 where there is no surface; NULL: there is everywhere */
+    const void* const* samples;     /* of each array: its tuples */
+    const uint8_t* hidden_cells;    /* of each cell: not 0 where there is no surface; NULL: there is everywhere */
     const uint8_t* hidden_vertices; /* likewise */
-    si_path
-      block; /* pieces of one image in several blocks may be fields of their own, as those of an ensemble */
+    si_path block;     /* pieces of one image in several blocks may be fields of their own, as those of an ensemble */
     uint64_t identity; /* another one whenever samples at the same address are others */
   } si_piece;
 
@@ -503,9 +480,9 @@ extern "C"
   enum
   {
     SI_LOSSLESS = 0,
-    SI_BOUNDED = 1,   /* points move along their edges by at most maximum_error of its length */
+    SI_BOUNDED = 1,  /* points move along their edges by at most maximum_error of its length */
     SI_QUANTIZED = 2, /* samples are rounded to quantization_bits over the range of their array */
-    SI_SMALLEST = 3   /* the smaller of both, block by block */
+    SI_SMALLEST = 3 /* the smaller of both, block by block */
   };
   typedef struct si_coding
   {
@@ -522,12 +499,11 @@ extern "C"
 
   /* Writes the isosurfaces as an edge-index file (.eix). A file that is there is replaced when the new one is complete.
    * `coding` may be NULL. Several ranks write one file. */
-  SI_API si_result si_volume_write_surface(si_volume* volume, const si_surface_request* request,
-    const char* path, const si_coding* coding, const si_run* run);
+  SI_API si_result si_volume_write_surface(si_volume* volume, const si_surface_request* request, const char* path,
+    const si_coding* coding, const si_run* run);
 
   typedef struct si_surface_file si_surface_file;
-  SI_API si_result si_surface_file_open(
-    const char* path, const si_run* run, si_surface_file** file);
+  SI_API si_result si_surface_file_open(const char* path, const si_run* run, si_surface_file** file);
   SI_API void si_surface_file_close(si_surface_file* file);
 
   typedef struct si_surface_file_info
@@ -550,24 +526,24 @@ extern "C"
   /* Decodes the surface of the isovalues with these numbers, in this order; of all if there are none. `preview`: not 0
    * for the coarse surface, which has no attributes. `normals`: not 0 for those of the file, or else of the
    * triangles. */
-  SI_API si_result si_surface_file_read(si_surface_file* file, size_t isovalue_count,
-    const size_t* isovalues, int preview, int normals, const si_run* run, si_surface** surface);
+  SI_API si_result si_surface_file_read(si_surface_file* file, size_t isovalue_count, const size_t* isovalues,
+    int preview, int normals, const si_run* run, si_surface** surface);
 
   /* What is read of a file. */
   typedef struct si_surface_reading
   {
     size_t size;
-    int32_t preview;      /* not 0: the coarse surface */
-    int32_t normals;      /* not 0: those of the file, or else of the triangles */
-    int32_t global_ids;   /* not 0: numbers of the points that are the same in all pieces */
-    int32_t vtk_version;  /* as in si_surface_request */
-    int32_t piece;        /* of piece_count, which have about as many points each */
-    int32_t piece_count;  /* 0 is 1 */
+    int32_t preview;     /* not 0: the coarse surface */
+    int32_t normals;     /* not 0: those of the file, or else of the triangles */
+    int32_t global_ids;  /* not 0: numbers of the points that are the same in all pieces */
+    int32_t vtk_version; /* as in si_surface_request */
+    int32_t piece;       /* of piece_count, which have about as many points each */
+    int32_t piece_count; /* 0 is 1 */
     const double* region; /* x0 x1 y0 y1 z0 z1: only blocks that reach into this box; NULL: all */
   } si_surface_reading;
   /* Decodes the surfaces of all isovalues, or a piece of them. */
-  SI_API si_result si_surface_file_read_piece(si_surface_file* file,
-    const si_surface_reading* reading, const si_run* run, si_surface** surface);
+  SI_API si_result si_surface_file_read_piece(
+    si_surface_file* file, const si_surface_reading* reading, const si_run* run, si_surface** surface);
 
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Writing volumes */
@@ -612,8 +588,8 @@ extern "C"
     const si_settings* settings, const si_run* run);
 
   /* The same of all arrays and time steps of a volume. `grid` may be NULL, and `times`: those of the volume. */
-  SI_API si_result si_volume_write(si_volume* volume, const char* path, const si_grid* grid,
-    const double* times, const si_settings* settings, const si_run* run);
+  SI_API si_result si_volume_write(si_volume* volume, const char* path, const si_grid* grid, const double* times,
+    const si_settings* settings, const si_run* run);
 
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Volumes in place */
@@ -629,7 +605,7 @@ extern "C"
 
   enum
   {
-    SI_GROWING_WORKS = 0,  /* what was taken last is what there is */
+    SI_GROWING_WORKS = 0, /* what was taken last is what there is */
     SI_GROWING_LARGER = 1, /* there is a larger sample to be taken */
     SI_GROWING_READY = 2   /* the volume is to be taken; nothing else follows */
   };
@@ -645,8 +621,8 @@ extern "C"
 
   /* Reads a sample of the time step `step` in about `seconds` (0 is 1), and begins to write the index. Of a small file, or
    * of one that has a current index, the volume is ready at once. Collective with ranks, as are the next two. */
-  SI_API si_result si_growing_begin(const char* name, const si_opening* opening, size_t step,
-    double seconds, uint64_t memory, const si_run* run, si_growing** growing);
+  SI_API si_result si_growing_begin(const char* name, const si_opening* opening, size_t step, double seconds,
+    uint64_t memory, const si_run* run, si_growing** growing);
   /* Waits for something new, at most `seconds`, and tells the state. An error is that of writing the index: the sample
    * stays, and nothing follows. Where there are several ranks, the index is written during these calls alone. */
   SI_API si_result si_growing_poll(

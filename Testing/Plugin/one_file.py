@@ -31,10 +31,14 @@ def run(program, plugin, volumes, output):
     os.makedirs(output)
     with open(os.path.join(output, "sitecustomize.py"), "w") as file:
         file.write(SITE)
-    environment = {**os.environ, "PYTHONPATH": output}
+    environment = {**os.environ, "PYTHONPATH": output, "SCALABLE_ISOSURFACE_CACHE": os.path.join(output, "cache")}
     script = os.path.join(os.path.dirname(os.path.abspath(__file__)), "one_file_job.py")
-    done = subprocess.run([*program, script, plugin, volumes, output], capture_output=True, text=True,
-                          timeout=10 * WAIT_SECONDS, env=environment)
+    server = [sys.executable, "-B", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "Python", "address_server.py")]
+    with subprocess.Popen([*server, volumes], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as serving:
+        environment["ISOSURFACE_TEST_ADDRESS"] = serving.stdout.readline().strip()
+        done = subprocess.run([*program, script, plugin, volumes, output], capture_output=True, text=True,
+                              timeout=10 * WAIT_SECONDS, env=environment)
+        serving.stdin.close()
     lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
     if done.returncode or "ERR" in done.stderr or "Traceback" in done.stderr:
         sys.exit(f"{plugin}: {len(lines)} jobs, exit code {done.returncode}\n{done.stderr[-5000:]}")

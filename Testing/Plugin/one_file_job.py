@@ -273,6 +273,16 @@ def index_files():
     report("placed", ranks=digest(simple.Isosurface(Input=reader, Isosurfaces=[150.0])))
 
 
+def read_address():
+    """A file on the server that one_file.py has started."""
+    address = os.environ["ISOSURFACE_TEST_ADDRESS"] + "/wave.mhd"
+    for job, region in (("address", [0, -1, 0, -1, 0, -1]), ("region of an address", [-5, 5, 0, 9, -4, 3])):
+        reader = simple.VolumefromanAddress(Address=address, IndexFolder=OUTPUT, Region=region)
+        report(job, ranks=digest(simple.Isosurface(Input=reader, Isosurfaces=[150.0])))
+        plane = simple.VolumeSlice(Input=reader)
+        report(f"slice of {job}", ranks=digest(plane), budget=reader.FetchBudget)
+
+
 def main():
     before = list_proxies()
     simple.LoadPlugin(PLUGIN, remote=True, ns=vars(simple))
@@ -292,6 +302,8 @@ def main():
     write_anew()
     make_scans()
     index_files()
+    if servermanager.ActiveConnection.GetNumberOfDataPartitions() == 1:
+        read_address()
 
 
 main()
