@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Formats/Source/FolderFiles.h"
+#include "Formats/Source/SliceFiles.h"
+#include "Ground/Base/Status.h"
 #include "InputVolume.h"
 
-#include "PipelineFiles.h"
 #include "ReaderCrash.h"
 #include "Sandbox.h"
 
@@ -37,6 +39,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -44,7 +47,9 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 namespace
 {
@@ -97,6 +102,67 @@ namespace isosurface
 {
 namespace
 {
+
+/**
+ * The files of an input that VTK reads: the file itself; the slices of a folder or pattern (SliceFiles);
+ * or, of the files of any other pattern, which are time steps, the one of number `step`.
+ */
+struct PipelineFiles
+{
+  std::vector<std::string> Paths;
+  std::size_t Steps = 1;
+  std::string LeftOut; ///< says what was passed over; empty if nothing was
+
+  /// Errors: those of SliceFiles::Find(); InvalidArgument if there is no such step.
+  static Result<PipelineFiles> Find(const std::string& input, std::size_t step);
+};
+
+Result<PipelineFiles> PipelineFiles::Find(const std::string& path, std::size_t step)
+{
+  FileSystem& files = GetLocalFileSystem();
+  const bool isPattern = IsPattern(files, path);
+  std::error_code error;
+  if (!isPattern && !std::filesystem::is_directory(path, error))
+  {
+    return PipelineFiles{ { path }, 1, "" };
+  }
+  if (!isPattern && ListNames(files, path).empty())
+  {
+    return Status(StatusCode::NotFound, path + ": cannot be read: the folder is empty");
+  }
+  PassedOver over;
+  const std::vector<std::string> fitting =
+    isPattern ? FindFittingNames(files, path, &over) : ListNames(files, path);
+  if (!isPattern || fitting.empty() || !SliceFiles::FindKind(fitting).empty())
+  {
+    ISOSURFACE_ASSIGN_OR_RETURN(auto slices, SliceFiles::Find(files, path));
+    return PipelineFiles{ std::move(slices.Paths), 1, std::move(slices.LeftOut) };
+  }
+  std::vector<NumberedName> names(fitting.begin(), fitting.end());
+  std::stable_sort(names.begin(), names.end());
+  std::vector<std::string> steps;
+  for (const NumberedName& name : names)
+  {
+    if (FindExtension(name.Name) == FindExtension(names.front().Name))
+    {
+      steps.push_back((std::filesystem::path(FindFolder(path)) / name.Name).string());
+    }
+    else
+    {
+      over.Add("of another kind", name.Name);
+    }
+  }
+  if (step >= steps.size())
+  {
+    return Status(StatusCode::InvalidArgument,
+      path + ": has " + std::to_string(steps.size()) + " time steps, and none of number " +
+        std::to_string(step));
+  }
+  const std::string passed = over.GetText();
+  return PipelineFiles{ { steps[step] }, steps.size(),
+    passed + (passed.empty() ? "" : "; ") + "the " + std::to_string(steps.size()) +
+      " files are time steps, numbered from 0" };
+}
 
 using Pipeline = vtkStreamingDemandDrivenPipeline;
 

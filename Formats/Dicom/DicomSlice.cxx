@@ -5,6 +5,7 @@
 #include "Formats/Dicom/DicomImageFile.h"
 #include "Ground/Base/FileSystem.h"
 
+#include <cstring>
 #include <gdcmImageReader.h>
 #include <gdcmMediaStorage.h>
 #include <gdcmTrace.h>
@@ -26,6 +27,77 @@ namespace isosurface
 {
 namespace
 {
+
+/// Which bits of a word are a sample. What is in the others means nothing, or is an overlay.
+struct SampleBits
+{
+  int Low = 0;           ///< the number of the lowest
+  int Count = 16;        ///< with Low at most those of the word
+  bool IsSigned = false; ///< whether the highest of them is a sign
+};
+
+/// Words in the byte order of this machine.
+struct SampleWords
+{
+  const std::uint8_t* First = nullptr;
+  std::size_t Size = 2; ///< bytes of each: 1, 2 or 4
+  std::size_t Count = 0;
+};
+
+template <typename Word>
+std::uint32_t LoadWord(const SampleWords& words, std::size_t number)
+{
+  Word word;
+  std::memcpy(&word, words.First + number * sizeof(Word), sizeof(Word));
+  return word;
+}
+
+/// Calls `use` with a zero of an unsigned type of that size.
+template <typename Use>
+void DispatchWord(std::size_t size, Use&& use)
+{
+  size == 1 ? use(std::uint8_t{}) : size == 2 ? use(std::uint16_t{}) : use(std::uint32_t{});
+}
+
+/// Makes integers of `valueSize` bytes (1, 2 or 4, no fewer than those of the words) of the samples.
+/// `to` may be the words themselves, if they are as large.
+/// Source: DICOM PS3.5, 8.1.1.
+void TakeSamples(
+  const SampleWords& words, const SampleBits& bits, std::size_t valueSize, std::uint8_t* to)
+{
+  const std::uint32_t mask = bits.Count < 32 ? (std::uint32_t{ 1 } << bits.Count) - 1 : ~0u;
+  const std::uint32_t sign = bits.IsSigned ? std::uint32_t{ 1 } << (bits.Count - 1) : 0;
+  DispatchWord(words.Size,
+    [&](auto someWord)
+    {
+      DispatchWord(valueSize,
+        [&](auto someValue)
+        {
+          for (std::size_t number = 0; number < words.Count; ++number)
+          {
+            std::uint32_t sample = LoadWord<decltype(someWord)>(words, number) >> bits.Low & mask;
+            sample |= (sample & sign) != 0 ? ~mask : 0;
+            const auto value = static_cast<decltype(someValue)>(sample);
+            std::memcpy(to + number * sizeof(value), &value, sizeof(value));
+          }
+        });
+    });
+}
+
+/// Whether some word has a bit of this number or above.
+bool HasBitsFrom(const SampleWords& words, int bit)
+{
+  std::uint32_t all = 0;
+  DispatchWord(words.Size,
+    [&](auto some)
+    {
+      for (std::size_t number = 0; number < words.Count; ++number)
+      {
+        all |= LoadWord<decltype(some)>(words, number);
+      }
+    });
+  return bit < 32 && all >> bit != 0;
+}
 
 constexpr std::int64_t MaximumSide = 65536;
 /// Of a compressed image, what may stand before its first sample.

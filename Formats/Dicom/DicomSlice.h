@@ -3,7 +3,6 @@
 #define isosurface_DicomSlice_h
 
 #include "Formats/Dicom/DicomCompression.h"
-#include "Formats/Dicom/DicomSampleBits.h"
 #include "Formats/Source/ConvertedSource.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/ValueType.h"

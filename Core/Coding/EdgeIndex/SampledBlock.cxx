@@ -2,8 +2,9 @@
 #include "Coding/EdgeIndex/SampledBlock.h"
 
 #include "Coding/BlockCoding/NewestInstructions.h"
+#include "Ground/Volume/SampleView.h"
 #include "Ground/Volume/ValueKey.h"
-#include "Surface/Contour/InsideRows.h"
+#include "Surface/Contour/BrickKernel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,22 @@ namespace isosurface
 {
 namespace
 {
+
+/// Finds which samples of a box, of at most 64 columns, are at least the threshold, a number of
+/// their type: bit i of inside[j + rows * k] is that of vertex (i, j, k) of the box.
+void FindInsideRows(
+  const SampleView& samples, const VertexBox& box, const void* threshold, std::uint64_t* inside)
+{
+  BrickSamples rows{};
+  rows.First = samples.AtBytes(box.Low);
+  const Index3 size = box.GetSize();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    rows.Stride[axis] = samples.Stride[axis];
+    rows.Size[axis] = static_cast<int>(size[axis]);
+  }
+  GetBrickKernels().ClassifyRows(samples.Type, rows, threshold, inside);
+}
 
 // Where the kernel puts a point; see BrickKernelPoints.txx.
 template <typename T>
