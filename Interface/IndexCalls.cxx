@@ -35,7 +35,7 @@ Result<SourceIndex> FindIndex(
   ISOSURFACE_ASSIGN_OR_RETURN(auto index,
     SourceIndex::FindPartOf(GetLocalFileSystem(), name, "", choice.Axes, choice.IndexFolder,
       choice.Place, choice.Bounds));
-  index.Fetching = std::make_shared<FetchBudget>(taken.fetch_budget);
+  index.Fetching = std::make_shared<FetchBudget>(index.Source, taken.fetch_budget);
   return index;
 }
 
@@ -187,6 +187,7 @@ si_result si_growing_poll(
         else
         {
           growing->HasLarger = growing->HasLarger || index->HasLargerSample(ranks);
+          index->GetIndex().Fetching->Gather(ranks);
         }
       }
       const bool isReady = !index || growing->HasEnded;

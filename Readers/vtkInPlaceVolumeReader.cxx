@@ -88,6 +88,11 @@ struct vtkInPlaceVolumeReader::Steps
     this->Failure = isosurface::Attempt(ToText(reader.SourceName),
       [&]
       {
+        if (reader.Found && reader.FindTime == reader.vtkAlgorithm::GetMTime())
+        {
+          this->Index = *reader.Found;
+          return Status::Ok();
+        }
         const std::string dataset =
           ToText(ToText(reader.RawSamples).empty() ? reader.Dataset : reader.RawSamples);
         isosurface::GridPlace place;
@@ -102,6 +107,8 @@ struct vtkInPlaceVolumeReader::Steps
           SourceIndex::FindPartOf(isosurface::GetLocalFileSystem(), ToText(reader.SourceName),
             dataset == Automatic ? "" : dataset, ToText(reader.Axes), ToText(reader.IndexFolder),
             place, bounds));
+        reader.Found = std::make_unique<SourceIndex>(this->Index);
+        reader.FindTime = reader.vtkAlgorithm::GetMTime();
         return Status::Ok();
       });
   }
@@ -147,12 +154,17 @@ struct vtkInPlaceVolumeReader::Steps
       (this->Reader.Stage == RefinementStage::None ||
         growing->GetIndex().Place == this->Index.Place);
   }
-  /// From now on what is fetched counts.
-  void StartFetching()
+  /// Of one name there is one budget, which counts what was fetched before, and whose limit may change.
+  void SetBudget()
   {
-    this->Index.Fetching = std::make_shared<isosurface::FetchBudget>(
-      static_cast<std::uint64_t>(this->Reader.FetchBudget) << 20);
-    this->Reader.Fetching = this->Index.Fetching;
+    const std::uint64_t limit = static_cast<std::uint64_t>(this->Reader.FetchBudget) << 20;
+    std::shared_ptr<isosurface::FetchBudget>& fetching = this->Reader.Fetching;
+    if (!fetching || fetching->GetSource() != this->Index.Source)
+    {
+      fetching = std::make_shared<isosurface::FetchBudget>(this->Index.Source, limit);
+    }
+    fetching->SetLimit(limit);
+    this->Index.Fetching = fetching;
   }
   std::uint64_t GetMemoryBytes() const
   {
@@ -192,7 +204,6 @@ Status vtkInPlaceVolumeReader::Steps::Update(isosurface::Communicator& ranks)
   {
     return Status::Ok();
   }
-  this->StartFetching();
   if (ranks.GetSize() == 1 &&
     !isosurface::CanWriteIndex(isosurface::GetLocalFileSystem(), this->Index))
   {
@@ -249,7 +260,6 @@ Status vtkInPlaceVolumeReader::Steps::Begin(isosurface::Communicator& ranks, std
   {
     return Status::Ok();
   }
-  this->StartFetching();
   isosurface::SampleLimits limits;
   limits.Step = step;
   ISOSURFACE_ASSIGN_OR_RETURN(auto sample,
@@ -286,7 +296,10 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
   vtkNew<vtkBlockedVolumeHandle> standIn;
   reader.Stage = RefinementStage::None;
   reader.IndexText = this->Index.Path + ": up to date";
-  if (reader.Growing && !reader.Growing->Advance(ranks, 0))
+  // Of a spent budget, AdvanceIndex tells.
+  if (reader.Growing &&
+    (!reader.Growing->Advance(ranks, 0) ||
+      (reader.Fetching->IsSpent() && reader.Growing->GetSample().Volume)))
   {
     if (reader.Growing->HasLargerSample(ranks))
     {
@@ -344,7 +357,9 @@ vtkInPlaceVolumeReader::vtkInPlaceVolumeReader()
 
 const char* vtkInPlaceVolumeReader::GetIndexText()
 {
-  const std::string fetched = this->Fetching ? this->Fetching->Describe() : "";
+  // The message of a spent one tells it.
+  const bool isTold = this->Fetching && !this->Fetching->IsSpent();
+  const std::string fetched = isTold ? this->Fetching->Describe() : "";
   this->ToldText = this->IndexText + (fetched.empty() ? "" : "; " + fetched);
   return this->ToldText.c_str();
 }
@@ -427,11 +442,12 @@ bool vtkInPlaceVolumeReader::IsPending()
   }
   const auto state = steps.FindState();
   const bool isCurrent = state.IsOk() && *state == IndexState::Current;
-  this->IndexText = steps.Index.Path +
-    (isCurrent                          ? ": up to date"
-        : !state.IsOk()                 ? ": " + state.GetStatus().GetMessage()
-        : *state == IndexState::Changed ? ": out of date, Apply indexes anew"
-                                        : ": Apply indexes the file");
+  this->IndexText = !state.IsOk() && steps.Index.Path.empty() ? state.GetStatus().GetMessage()
+                                                              : steps.Index.Path +
+      (isCurrent                          ? ": up to date"
+          : !state.IsOk()                 ? ": " + state.GetStatus().GetMessage()
+          : *state == IndexState::Changed ? ": out of date, Apply indexes anew"
+                                          : ": Apply indexes the file");
   if (isCurrent)
   {
     this->Growing.reset(); // of another file
@@ -447,13 +463,17 @@ int vtkInPlaceVolumeReader::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
   isosurface::ControllerCommunicator ranks(this->GetController());
-  const bool isPending = this->IsPending();
+  const isosurface::Progress look = [this](double)
+  { return isosurface::MakeProgress(*this)(this->GetProgress()); };
+  bool isPending = false;
+  {
+    const isosurface::ReadingStop stop(look);
+    isPending = this->IsPending();
+  }
   const std::size_t step = this->FindStep(output->GetInformationObject(0));
   const bool pending = ranks.Any(isPending || this->IsOtherSample(step));
   if (pending)
   {
-    const isosurface::Progress look = [this](double)
-    { return isosurface::MakeProgress(*this)(this->GetProgress()); };
     const isosurface::ReadingStop stop(look);
     const Status status = this->UpdateIndex(ranks, step);
     if (!status.IsOk())
@@ -502,6 +522,7 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   std::vector<std::uint64_t> all = { this->CoarseAllowed ? 0u : 1u, steps.IsGrowing() ? 0u : 1u,
     step };
   ISOSURFACE_RETURN_IF_ERROR(ranks.ReduceAgreed(steps.Failure, all));
+  steps.SetBudget();
   this->Indexed = nullptr;
   step = static_cast<std::size_t>(all[2]);
   const bool isCoarse = all[0] == 0;
@@ -509,8 +530,10 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   // One in memory stays when it has been taken.
   const bool isOld =
     isGrowing && this->Stage == RefinementStage::None && !this->Growing->IsCurrent();
+  const bool isSpent =
+    isGrowing && isCoarse && this->Growing->Advance(ranks, 0) && this->Fetching->IsSpent();
   Status status;
-  if (!isGrowing || this->Stage == RefinementStage::Failed || isOld)
+  if (!isGrowing || this->Stage == RefinementStage::Failed || isOld || isSpent)
   {
     this->Growing.reset();
     status = isCoarse ? steps.Begin(ranks, step) : steps.Update(ranks);
@@ -547,7 +570,9 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
     return;
   }
   const double seconds = std::max(0, milliseconds) / 1000.0;
-  if (this->Growing->Advance(ranks, seconds))
+  const bool hasEnded = this->Growing->Advance(ranks, seconds);
+  this->Fetching->Gather(ranks);
+  if (hasEnded)
   {
     const Status status = ranks.Agree(this->Growing->GetStatus());
     const bool isReady = status.IsOk() && this->PrepareVolume(ranks, seconds);
@@ -558,10 +583,9 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
     {
       this->IndexText = this->Growing->GetIndex().Path + ": writing it was stopped";
     }
-    else if (!status.IsOk() && this->Fetching && this->Fetching->IsSpent())
+    else if (!status.IsOk() && this->Fetching->IsSpent())
     {
       this->IndexText = status.GetMessage();
-      this->Fetching.reset(); // the message tells it
       vtkWarningMacro(<< isosurface::MakePrintable(status.GetMessage()));
     }
     else if (!status.IsOk())

@@ -37,6 +37,7 @@ namespace isosurface
 class Communicator;
 class FetchBudget;
 class GrowingIndex;
+struct SourceIndex;
 class Status;
 enum class RefinementStage;
 }
@@ -130,7 +131,8 @@ public:
   ///@{
   /**
    * Mebibytes that indexing may fetch of a source at an address, of all ranks. When they are spent, what is indexed
-   * stays, and an update with a larger budget goes on. 0, the default: no limit.
+   * stays, and only an update with a larger budget goes on, as long as the source has the same name. It may be changed
+   * while the index grows. A sample does not count. 0, the default: no limit.
    */
   vtkSetClampMacro(FetchBudget, int, 0, VTK_INT_MAX);
   vtkGetMacro(FetchBudget, int);
@@ -202,7 +204,9 @@ private:
   int FetchBudget = 0;
   std::string IndexText;
   std::string ToldText;                              ///< with what was fetched
-  std::shared_ptr<isosurface::FetchBudget> Fetching; ///< of the last index
+  std::shared_ptr<isosurface::FetchBudget> Fetching; ///< of the last name
+  std::unique_ptr<isosurface::SourceIndex> Found;    ///< the index, and our MTime when it was found
+  vtkMTimeType FindTime = 0;
   vtkStringArray* Datasets;
   vtkMTimeType CheckTime = 0; ///< our MTime when the index was found up to date, or a sample read
   vtkMTimeType TellTime = 0;  ///< our MTime when SourceTimes were read

@@ -197,7 +197,7 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
     ->expected(6);
   app
     .add_option("--fetch-budget", options.FetchBudget,
-      "MiB that may be fetched of an IN at an address; 0: no limit")
+      "MiB that may be fetched of an IN at an address, for all time steps and ranks; 0: no limit")
     ->check(CLI::Range(std::uint64_t{ 0 }, std::uint64_t{ 1 } << 40));
   app.add_flag("--cells", options.WithCells, "Write cell arrays, too, averaged to points");
   app.add_flag("--append", settings.Append,

@@ -82,9 +82,17 @@ std::string FormatWritten(const WriteStatistics& written, bool isInPlace)
                    : DescribeBytes(bytes);
 }
 
+/// The time steps of a run, and what it may fetch for all of them.
+struct WrittenSteps
+{
+  std::size_t First;
+  std::size_t Count;
+  FetchBudget Fetching;
+};
+
 /// Writes one time step of the input.
 Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::size_t step,
-  Communicator& ranks, BlockedVolumeWriter& writer)
+  WrittenSteps& all, Communicator& ranks, BlockedVolumeWriter& writer)
 {
   double sampleBytes = 0;
   for (const ArrayDescription& array : volume.Arrays)
@@ -108,29 +116,30 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
   {
     settings.JournalSeconds = BlockedVolumeSettings::UsualJournalSeconds;
   }
-  FetchBudget fetching((options.FetchBudget << 20) / static_cast<std::uint64_t>(ranks.GetSize()));
-  fetching.SetSampleBytes(static_cast<std::uint64_t>(sampleBytes));
+  all.Fetching.SetSampleBytes(all.Count * static_cast<std::uint64_t>(sampleBytes));
   settings.Warn = [](const std::string& warning)
   { std::fprintf(stderr, "blockvolume: warning: %s\n", MakePrintable(warning).c_str()); };
   const bool isTold = ranks.GetRank() == 0 && !options.IsQuiet;
   ProgressDisplay display(options.Output, sampleBytes, isTold);
-  double done = 0;
-  const Progress progress = [&, show = display.GetProgress()](double share)
-  {
-    done = share;
-    return show(share) && !fetching.IsSpent();
-  };
-  const Progress look = [&](double) { return !IsStopAsked() && !fetching.IsSpent(); };
+  const Progress look = [](double) { return !IsStopAsked(); };
   const ReadingStop stop(look);
-  const auto written = writer.Write(
-    options.Output, volume.Grid, volume.Arrays, *volume.Source, settings, RenewTimeWith(progress));
+  std::optional<WriteStatistics> written;
+  const auto write = [&](const Progress& advance) -> Status
+  {
+    const Progress progress = [&, show = display.GetProgress()](double share)
+    {
+      const double done = static_cast<double>(step - all.First) + share;
+      return show(share) && advance(done / static_cast<double>(all.Count));
+    };
+    ISOSURFACE_ASSIGN_OR_RETURN(written,
+      writer.Write(options.Output, volume.Grid, volume.Arrays, *volume.Source, settings,
+        RenewTimeWith(progress)));
+    return Status::Ok();
+  };
+  const Status status = all.Fetching.Run(ranks, look, write);
   const double seconds = display.GetSeconds();
   display.Clear();
-  if (!written.IsOk())
-  {
-    const bool isSpent = ranks.Any(fetching.IsSpent());
-    return isSpent ? fetching.MakeError(options.Input, done) : written.GetStatus();
-  }
+  ISOSURFACE_RETURN_IF_ERROR(status);
   if (isTold && written->Stores.empty())
   {
     std::printf("%s: time step %zu was finished by an earlier run\n", options.Output.c_str(), step);
@@ -142,9 +151,9 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
       options.Output.c_str(), static_cast<unsigned long long>(written->Blocks), settings.BlockSize,
       written->Stores.size(), FormatWritten(*written, options.IsInPlace).c_str(),
       DescribeBytes(sampleBytes).c_str(), seconds, sampleBytes / 1e6 / std::max(seconds, 1e-9));
-    if (fetching.CountFetched() > 0)
+    if (all.Fetching.CountFetched() > 0)
     {
-      std::printf("%s: %s\n", options.Input.c_str(), fetching.Describe().c_str());
+      std::printf("%s: %s\n", options.Input.c_str(), all.Fetching.Describe().c_str());
     }
   }
   return Status::Ok();
@@ -187,7 +196,8 @@ Status RunWriteCommand(const BlockVolumeOptions& given, Communicator& ranks)
   BlockedVolumeWriter writer(ranks);
   BlockVolumeOptions next = options;
   next.Settings.Publish = steps == 1;
-  ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*volume), first, ranks, writer));
+  WrittenSteps all{ first, steps, { options.Input, options.FetchBudget << 20 } };
+  ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*volume), first, all, ranks, writer));
   next.Settings.Append = true;
   for (std::size_t step = first + 1; step < first + steps; ++step)
   {
@@ -195,7 +205,7 @@ Status RunWriteCommand(const BlockVolumeOptions& given, Communicator& ranks)
     ISOSURFACE_RETURN_IF_ERROR(
       ranks.Agree(more.IsOk() ? CheckOutput(options, *more) : more.GetStatus()));
     next.Settings.Publish = step + 1 == first + steps;
-    ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*more), step, ranks, writer));
+    ISOSURFACE_RETURN_IF_ERROR(WriteStep(next, std::move(*more), step, all, ranks, writer));
   }
   return Status::Ok();
 }

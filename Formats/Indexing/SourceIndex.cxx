@@ -10,7 +10,6 @@
 #include "Formats/Zarr/JsonField.h"
 #include "Formats/Zarr/ZarrVolume.h"
 #include "Ground/Base/Checksum.h"
-#include "Ground/Base/ReadingStop.h"
 #include "Ground/Base/RemoteCache.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -123,6 +122,11 @@ bool IsNamedAlike(FileSystem& files, const std::filesystem::path& source)
   const bool isFolder = !ListNames(files, source.string()).empty();
   return source.extension().empty() || (isFolder && !IsZarrFolder(files, source.string()));
 }
+
+/// WriteSourceIndex() without the budget.
+Result<std::string> WriteSteps(Communicator& ranks, FileSystem& files, const SourceIndex& index,
+  std::uint64_t memoryBytes, const Progress& progress, SampleCollector* collector,
+  FinishedLayers* finished, int threads);
 
 } // namespace
 
@@ -292,18 +296,29 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress,
   SampleCollector* collector, FinishedLayers* finished, int threads)
 {
+  std::string leftOut;
+  const auto write = [&](const Progress& advance) -> Status
+  {
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      leftOut, WriteSteps(ranks, files, index, memoryBytes, advance, collector, finished, threads));
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(
+    index.Fetching ? index.Fetching->Run(ranks, progress, write) : write(progress));
+  return leftOut;
+}
+
+namespace
+{
+
+Result<std::string> WriteSteps(Communicator& ranks, FileSystem& files, const SourceIndex& index,
+  std::uint64_t memoryBytes, const Progress& progress, SampleCollector* collector,
+  FinishedLayers* finished, int threads)
+{
   BlockedVolumeWriter writer(ranks, files);
   std::string leftOut;
   std::size_t steps = 1;
   const int threadsOfRank = ranks.ChooseThreads(threads);
-  const std::shared_ptr<FetchBudget> fetching = index.Fetching;
-  double done = 0;
-  const Progress isWithinBudget = [&](double)
-  {
-    return !fetching || fetching->GetLimit() == 0 ||
-      fetching->CountFetched() * static_cast<std::uint64_t>(ranks.GetSize()) < fetching->GetLimit();
-  };
-  const ReadingStop stop(isWithinBudget);
   for (std::size_t step = 0; step < steps; ++step)
   {
     auto opened = Attempt(index.Source,
@@ -341,29 +356,27 @@ Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
       { { times, index.Source + ": the ranks see different numbers of time steps" } }));
     steps = std::max<std::size_t>(1, times);
     leftOut = opened->Volume.LeftOut;
-    if (fetching)
+    if (index.Fetching)
     {
       const OpenedVolume& volume = opened->Volume;
-      fetching->SetSampleBytes(steps *
+      index.Fetching->SetSampleBytes(steps *
         static_cast<std::uint64_t>(volume.Grid.GetNumberOfVertices()) *
         SumValueSizes(ArrayVariables(volume.Arrays).GetStoredTypes()));
     }
     opened->Settings.Publish = step + 1 == steps;
     opened->Settings.Threads = threadsOfRank;
-    const Progress tell = [&](double share)
-    {
-      done = (static_cast<double>(step) + share) / static_cast<double>(steps);
-      return isWithinBudget(done) && (!progress || progress(done));
+    const Progress tell = [&](double share) {
+      return !progress ||
+        progress((static_cast<double>(step) + share) / static_cast<double>(steps));
     };
-    const auto written = writer.Write(index.Path, opened->Volume.Grid, opened->Volume.Arrays,
-      *opened->Volume.Source, opened->Settings, tell);
-    if (!written.IsOk())
-    {
-      const bool isSpent = ranks.Any(!isWithinBudget(done)); // of any rank, for all
-      return isSpent ? fetching->MakeError(index.Source, done) : written.GetStatus();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(writer
+                                 .Write(index.Path, opened->Volume.Grid, opened->Volume.Arrays,
+                                   *opened->Volume.Source, opened->Settings, tell)
+                                 .GetStatus());
   }
   return leftOut;
 }
+
+} // namespace
 
 } // namespace isosurface

@@ -96,8 +96,8 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
  * (BlockedVolumeSettings::JournalSeconds).
  * `collector`, if there is one, sees what is read of the first time step. `finished`, which all ranks
  * have or none, is told which blocks of it are finished. `threads`:
- * BlockedVolumeSettings::Threads. Cost and errors: as BlockedVolumeWriter; IoError if SourceIndex::Fetching, of
- * which each rank may fetch its share, is spent.
+ * BlockedVolumeSettings::Threads. Cost and errors: as BlockedVolumeWriter; if SourceIndex::Fetching
+ * is spent, as FetchBudget::Run, on all ranks.
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},

@@ -139,7 +139,7 @@ def index(
     Raises
     ------
     OSError
-        The file cannot be read, the index cannot be written, or the budget is spent. What was fetched is kept, so
+        The file cannot be read, the index cannot be written, or the budget is spent. What is indexed is kept, so
         that a call with a larger budget goes on.
 
     Examples

@@ -270,7 +270,7 @@ class Regions(AddressTest):
         whole = sum(os.path.getsize(path) for path in glob.glob(self.www("a.zarr/*.*.*")))
         self.server.latency = 0.02
         self.server.forget()
-        pattern = r"a.zarr: the budget of bytes is spent: .* of 11 MB fetched, at most 2.0 MB; \d+ % is indexed"
+        pattern = r"a.zarr: the budget of bytes is spent: .* of 11 MB fetched, at most 2.0 MB; \d+ % is done"
         with self.assertRaisesRegex(OSError, pattern):
             si.index(self.address, fetch_budget=2000000)
         sent = self.server.sent
@@ -288,6 +288,62 @@ class Regions(AddressTest):
         )
         self.assertNotEqual(done.returncode, 0)
         self.assertRegex(done.stderr, "the budget of bytes is spent")
+
+    #: A process of its own: calls of VTK keep the server's threads of this one waiting.
+    READER = """
+import sys
+import scalable_isosurface as si
+
+def grow(budget):
+    reader.SetFetchBudget(budget)
+    reader.Update()
+    while reader.GetRefinement()[0] == 1:
+        reader.AdvanceIndex(50)
+    if reader.GetRefinement()[0] == 2:
+        reader.TakeIndex()
+        reader.Update()
+    print(reader.GetIndexText(), flush=True)
+
+reader = si.vtkInPlaceVolumeReader()
+for event in ("ErrorEvent", "WarningEvent"):
+    reader.AddObserver(event, lambda _, name: print(name, flush=True))
+reader.SetSourceName(sys.argv[1])
+reader.AllowCoarse(True)
+"""
+
+    def run_reader(self, lines):
+        done = subprocess.run([sys.executable, "-c", self.READER + lines, self.address], stdout=subprocess.PIPE,
+                              check=True, text=True)
+        return done.stdout.splitlines()
+
+    def test_a_spent_budget_of_the_reader_is_of_the_name_until_it_is_raised(self):
+        self.server.latency = 0.02
+        told = self.run_reader("""
+grow(2)
+reader.SetIndexMemory(512)
+grow(2)
+grow(4)
+reader.SetFetchBudget(5)
+reader.Update()
+grow(0)  # while it grows
+before = reader.GetIndexText()
+si.open(sys.argv[1] + ":[0-80,0-80,0-80]")[...]
+print(reader.GetIndexText() == before)
+""")
+        spent = r"^http.*a.zarr: the budget of bytes is spent: %s.\d MB of 11 MB fetched, at most %s MB; \d+ %% is done: [^;]*$"
+        self.assertEqual(told[0:6:2], ["WarningEvent"] * 3)
+        self.assertRegex(told[1], spent % ("[23]", "2.1"))  # with what was under way
+        self.assertEqual(told[3], told[1])
+        self.assertRegex(told[5], spent % ("[45]", "4.2"))
+        self.assertRegex(told[6], r"a.zarr.bvol: up to date; \S+ MB of 11 MB fetched$")
+        self.assertEqual(told[7:], ["True"])
+
+    def test_an_error_of_the_server_is_not_hidden_by_a_spent_budget(self):
+        for path in glob.glob(self.www("a.zarr/1.*.*")):
+            os.remove(path)
+        self.server.lists = False
+        with self.assertRaisesRegex(OSError, "403"):
+            si.index(self.address, fetch_budget=1900000)
 
 
 class FaultyServer(AddressTest):
@@ -563,6 +619,27 @@ class Ranks(AddressTest):
         numpy.testing.assert_array_equal(volumes[3][...], samples)
         surfaces = [volume.isosurface(0.3) for volume in volumes.values()]
         self.assertEqual(*(surface.triangles.shape for surface in surfaces))
+
+
+    def test_a_budget_is_of_all_ranks_and_time_steps(self):
+        os.environ["SCALABLE_ISOSURFACE_CACHE_BYTES"] = "0"
+        self.addCleanup(os.environ.pop, "SCALABLE_ISOSURFACE_CACHE_BYTES")
+        samples = numpy.random.default_rng(0).random((2, 96, 96, 96)).astype("f4")
+        group = create_group(self.www("a.zarr"))
+        axes = [{"name": "t", "type": "time"}] + [{"name": name, "type": "space"} for name in "zyx"]
+        scale = [{"type": "scale", "scale": [1.0, 1.0, 1.0, 1.0]}]
+        group.attrs["multiscales"] = [{"axes": axes, "version": "0.4",
+                                       "datasets": [{"path": "0", "coordinateTransformations": scale}]}]
+        array = create_array(self.www("a.zarr/0"), samples.shape, "f4", (1, 16, 16, 16), separator="/")
+        array[:] = samples
+        for ranks, budget, wanted in ((1, 5, 1), (3, 5, 1), (3, 60, 0)):
+            done = subprocess.run([MPIEXEC, "--oversubscribe", "-n", str(ranks), BLOCKVOLUME, "--quiet", "--in-place",
+                                   "--fetch-budget", str(budget), f"{self.server.url}/a.zarr",
+                                   self.path(f"{ranks}-{budget}.bvol")],
+                                  stderr=subprocess.PIPE, check=False, text=True)
+            self.assertEqual(done.returncode != 0, wanted == 1, done.stderr)
+            if wanted:
+                self.assertRegex(done.stderr, r"spent: \d.\d MB of 7.1 MB fetched, at most 5.2 MB; [4-9]\d % is done")
 
 
 class Cache(AddressTest):

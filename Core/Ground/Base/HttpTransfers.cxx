@@ -12,6 +12,7 @@
 #include <condition_variable>
 #include <cstdlib>
 #include <deque>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -43,7 +44,47 @@ constexpr int MaximumRedirects = 5;
 /// For so long, a host that cannot be reached is not asked again.
 constexpr std::chrono::seconds HostPause{ 3 };
 
-std::atomic<std::uint64_t> FetchedBytes = 0;
+using ByteCounter = std::atomic<std::uint64_t>;
+
+/// The counters of CountBytesOf that somebody has.
+class ByteCounters
+{
+public:
+  static ByteCounters& Get()
+  {
+    static ByteCounters& counters =
+      *new ByteCounters; // threads that fetch ahead may outlive others
+    return counters;
+  }
+  std::shared_ptr<ByteCounter> Add(const std::string& prefix)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    auto counter = std::make_shared<ByteCounter>(0);
+    this->Counters.emplace_back(prefix, counter);
+    return counter;
+  }
+  std::vector<std::shared_ptr<ByteCounter>> Find(const std::string& name)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    std::vector<std::shared_ptr<ByteCounter>> found;
+    for (auto one = this->Counters.begin(); one != this->Counters.end();)
+    {
+      const std::shared_ptr<ByteCounter> counter = one->second.lock();
+      const std::string& prefix = one->first;
+      if (counter && name.compare(0, prefix.size(), prefix) == 0 &&
+        (name.size() == prefix.size() || name[prefix.size()] == '/'))
+      {
+        found.push_back(counter);
+      }
+      one = counter ? std::next(one) : this->Counters.erase(one);
+    }
+    return found;
+  }
+
+private:
+  std::mutex Mutex;
+  std::vector<std::pair<std::string, std::weak_ptr<ByteCounter>>> Counters;
+};
 
 /// The seconds without a byte after which a server stalls.
 long GetStallSeconds()
@@ -59,6 +100,7 @@ struct Transfer
 {
   HttpRequest Request;
   HttpAnswer Answer;
+  std::vector<std::shared_ptr<ByteCounter>> Counters; ///< of the body
   void* Easy = nullptr;
   void* Lines = nullptr;
   std::array<char, 256> ErrorText{}; ///< as long as libcurl's
@@ -125,7 +167,10 @@ std::size_t TakeBody(const Curl& curl, Transfer& transfer, const char* bytes, st
   answer.IsCut = size > room;
   const std::size_t taken = answer.IsCut ? static_cast<std::size_t>(room) : size;
   answer.Body.insert(answer.Body.end(), bytes, bytes + taken);
-  FetchedBytes += taken;
+  for (const std::shared_ptr<ByteCounter>& counter : transfer.Counters)
+  {
+    *counter += taken;
+  }
   return answer.IsCut ? 0 : size;
 }
 
@@ -478,6 +523,7 @@ Result<HttpAnswer> FetchOne(const std::string& name, const HttpRequest& request)
   {
     const auto transfer = std::make_shared<Transfer>();
     transfer->Request = request;
+    transfer->Counters = ByteCounters::Get().Find(name);
     if (!(*thread)->Wait(transfer))
     {
       return Status(StatusCode::Aborted, name + ": reading was stopped");
@@ -516,9 +562,10 @@ Result<HttpAnswer> FetchOne(const std::string& name, const HttpRequest& request)
 
 } // namespace
 
-std::uint64_t HttpTransfers::CountFetchedBytes()
+std::shared_ptr<const std::atomic<std::uint64_t>> HttpTransfers::CountBytesOf(
+  const std::string& prefix)
 {
-  return FetchedBytes;
+  return ByteCounters::Get().Add(prefix);
 }
 
 Result<HttpAnswer> HttpTransfers::Fetch(const std::string& name, HttpRequest request)

@@ -5,8 +5,10 @@
 #include "Ground/Base/Address.h"
 #include "Ground/Base/Status.h"
 
+#include <atomic>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -53,8 +55,9 @@ public:
   /// Waits for the answer, which may have any code. Any thread may call it. `name`: the address, for
   /// errors. Errors: IoError, Unsupported; Aborted (ReadingStop).
   static Result<HttpAnswer> Fetch(const std::string& name, HttpRequest request);
-  /// The bytes of all bodies that this process has fetched.
-  static std::uint64_t CountFetchedBytes();
+  /// Of names that are `prefix`, or are behind it and a slash: the bytes of the bodies that this process fetches from
+  /// now on, by any thread.
+  static std::shared_ptr<const std::atomic<std::uint64_t>> CountBytesOf(const std::string& prefix);
 };
 
 } // namespace isosurface
