@@ -20,8 +20,19 @@ using Point = std::array<double, 3>;
 VertexBox FindVerticesAround(const LevelDescription& level, const Point& low, const Point& high)
 {
   const VertexPlaces places(level.Grid, level.Lines ? &*level.Lines : nullptr);
-  const VertexBox box = places.FindVerticesAround(low, high);
-  return box.IsEmpty() ? VertexBox{ {}, { 1, 1, 1 } } : box;
+  VertexBox box = places.FindVerticesAround(low, high);
+  box = box.IsEmpty() ? VertexBox{ {}, { 1, 1, 1 } } : box;
+  // A plane on one layer of vertices could lie beside it by rounding: it has two, of one chunk.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    if (box.High[axis] - box.Low[axis] == 1)
+    {
+      const std::int64_t size = level.Grid.GetDimensions()[axis];
+      box.Low[axis] = std::max<std::int64_t>(0, std::min(box.Low[axis] & ~std::int64_t{ 1 }, size - 2));
+      box.High[axis] = std::min(box.Low[axis] + 2, size);
+    }
+  }
+  return box;
 }
 
 /// The same around points.

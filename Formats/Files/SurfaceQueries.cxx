@@ -296,7 +296,9 @@ Result<std::array<double, 2>> ReadRange(
 Result<double> EstimateTriangles(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress)
 {
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto searched, MakeQuery(file, samples, request, progress));
+  SurfaceRequest everywhere = request;
+  everywhere.Where = {};
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto searched, MakeQuery(file, samples, everywhere, progress));
   return EstimateTriangles(*searched.Volume, searched.Query, samples.Level);
 }
 

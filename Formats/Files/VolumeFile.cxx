@@ -58,7 +58,7 @@ public:
   /// third of the free memory.
   Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
-  /// Reads the box alone of a volume at an address, or of one that GetBlocks refuses. The last one stays.
+  /// Reads the box alone of a volume at an address. The last one stays.
   Result<std::shared_ptr<BlockedVolume>> GetBlocksOf(std::size_t timeStep, const VertexBox& box,
     const Progress& progress, std::size_t& stepThere, Index3& first) override;
 
@@ -71,9 +71,6 @@ private:
   Status CheckUnchanged(std::size_t timeStep);
   /// That of a time step. ReadMutex is held.
   Result<BoxSource*> FindSource(std::size_t timeStep);
-  std::uint64_t CountBytes(const VertexBox& box) const;
-  /// Whether blocks in memory may take so much.
-  static bool Fits(std::uint64_t bytes);
   Result<std::shared_ptr<BlockedVolume>> MakeBlocks(
     std::size_t timeStep, const VertexBox& box, const Progress& progress);
 
@@ -342,36 +339,19 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocks(
   return made;
 }
 
-std::uint64_t SourceVolume::CountBytes(const VertexBox& box) const
-{
-  return static_cast<std::uint64_t>(box.GetNumberOfVertices()) *
-    SumValueSizes(ArrayVariables(this->Arrays).GetStoredTypes());
-}
-
-bool SourceVolume::Fits(std::uint64_t bytes)
-{
-  const std::uint64_t available = GetAvailableMemory();
-  return available == 0 || bytes <= available / SharesOfFreeMemory;
-}
-
 Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocksOf(std::size_t timeStep,
   const VertexBox& box, const Progress& progress, std::size_t& stepThere, Index3& first)
 {
   const VertexBox all{ {}, this->Grid.GetDimensions() };
-  const bool isPart = !(box == all) && (IsAddress(this->Path) || !Fits(this->CountBytes(all)));
-  std::unique_lock<std::mutex> lock(this->BlocksMutex);
-  if (!isPart || this->Blocks.count(timeStep) > 0)
+  // All ranks come to the same: what one of them has in memory, or has room for, does not count.
+  if (box == all || !IsAddress(this->Path))
   {
-    lock.unlock();
     return this->GetBlocks(timeStep, progress, stepThere);
   }
+  const std::lock_guard<std::mutex> lock(this->BlocksMutex);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));
-  bool isThere = this->Part.Volume && this->Part.Step == timeStep && this->Part.Box.Contains(box);
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    const std::int64_t distance = box.Low[axis] - this->Part.Box.Low[axis];
-    isThere = isThere && distance % BlockedVolumeSettings().BlockSize == 0;
-  }
+  const bool isThere =
+    this->Part.Volume && this->Part.Step == timeStep && this->Part.Box == box;
   if (!isThere)
   {
     this->Part = {};
@@ -386,11 +366,14 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocksOf(std::size_t tim
 Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   std::size_t timeStep, const VertexBox& box, const Progress& progress)
 {
-  if (!Fits(this->CountBytes(box)))
+  const std::uint64_t bytes = static_cast<std::uint64_t>(box.GetNumberOfVertices()) *
+    SumValueSizes(ArrayVariables(this->Arrays).GetStoredTypes());
+  const std::uint64_t available = GetAvailableMemory();
+  if (available > 0 && bytes > available / SharesOfFreeMemory)
   {
     return Status(StatusCode::OutOfMemory,
       this->Path +
-        ": has no index, and is too large to be searched in memory; choose a region, or "
+        ": has no index, and is too large to be searched in memory; "
         "make one with scalable_isosurface.index(), or a volume with create()");
   }
   const std::string path = this->Path + ".bvol-in-memory";
@@ -452,6 +435,11 @@ Result<std::shared_ptr<VolumeFile>> VolumeFile::Open(
   if (kind == FileKind::Surface)
   {
     return Status(StatusCode::InvalidArgument, name + ": is a surface, not a volume");
+  }
+  if (kind == FileKind::BlockedVolume && choice.Bounds)
+  {
+    return Status(StatusCode::InvalidArgument,
+      name + ": is a blocked volume, which is opened whole; choose the region of what is read from it");
   }
   if (kind == FileKind::BlockedVolume)
   {

@@ -118,14 +118,21 @@ Result<std::string> FindPart(FileSystem& files, const std::string& text, const s
     low = std::max<std::int64_t>(0, std::min(low, high - 2));
   }
   VolumeName name = VolumeName::Parse(files, text);
-  const bool isWhole = part == box || TakePart(name.Within);
-  for (std::size_t axis = 0; axis < 3 && !isWhole; ++axis)
+  if (part == box)
+  {
+    return text;
+  }
+  if (const std::optional<VertexBox> outer = TakePart(name.Within))
+  {
+    part = part.Translate(outer->Low);
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis)
   {
     name.Within += (axis == 0 ? "[" : ",") + std::to_string(part.Low[axis]) + "-" +
       std::to_string(part.High[axis] - 1);
   }
-  name.Within += isWhole ? "" : "]";
-  return isWhole ? text : name.GetText();
+  name.Within += "]";
+  return name.GetText();
 }
 
 std::unique_ptr<BoxSource> CutSource(std::unique_ptr<BoxSource> source, const VertexBox& part)

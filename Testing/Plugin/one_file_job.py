@@ -302,8 +302,7 @@ def main():
     write_anew()
     make_scans()
     index_files()
-    if servermanager.ActiveConnection.GetNumberOfDataPartitions() == 1:
-        read_address()
+    read_address()
 
 
 main()

@@ -67,6 +67,22 @@ public:
     {
       this->Fail();
     }
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    ++this->Ended;
+    this->Changed.notify_all();
+  }
+
+  /// Of the leading thread, which is asked meanwhile whether all are to stop (ReadingStop).
+  void WaitForFollowers(std::size_t count)
+  {
+    constexpr std::chrono::milliseconds pause{ 100 };
+    std::unique_lock<std::mutex> lock(this->Mutex);
+    while (!this->Changed.wait_for(lock, pause, [&] { return this->Ended == count; }))
+    {
+      lock.unlock();
+      static_cast<void>(ReadingStop::IsWanted());
+      lock.lock();
+    }
   }
 
   /// After all threads have stopped: whether all indices were visited.
@@ -175,6 +191,7 @@ private:
   bool IsComplete = false; ///< whether all indices are known
   bool Stopped = false;
   std::exception_ptr Failure;
+  std::size_t Ended = 0; ///< following threads
 };
 
 } // namespace
@@ -203,6 +220,7 @@ bool ParallelQueue(const std::function<std::vector<std::size_t>()>& take, std::s
     // The system gives no more threads: those that are there do the work.
   }
   loop.Lead();
+  loop.WaitForFollowers(helpers.size());
   for (std::thread& helper : helpers)
   {
     helper.join();

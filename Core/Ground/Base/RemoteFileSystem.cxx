@@ -7,10 +7,12 @@
 #include "Ground/Base/FirstFailure.h"
 #include "Ground/Base/HttpTransfers.h"
 #include "Ground/Base/ParallelFor.h"
+#include "Ground/Base/ReadingStop.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cctype>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -222,8 +224,9 @@ public:
     for (std::uint64_t first = begin; this->IsPaged && first < end; first += most)
     {
       const std::uint64_t to = first + most < end ? first + most : end;
-      const auto load = [self = this->shared_from_this(), first, to]
+      const auto load = [self = this->shared_from_this(), first, to, token = ReadingStop::Share()]
       {
+        const ReadingStop stop(token);
         Pages pages;
         static_cast<void>(self->LoadPages(first, to, pages)); // whoever reads tells the error
         --PrefetchingThreads;
@@ -247,7 +250,7 @@ public:
 private:
   struct Page
   {
-    std::mutex Mutex;
+    std::timed_mutex Mutex;
     std::vector<std::uint8_t> Bytes; ///< none yet
     std::uint64_t Used = 0;
   };
@@ -376,10 +379,18 @@ private:
   Status LoadPages(std::uint64_t first, std::uint64_t end, Pages& pages)
   {
     pages = this->TakePages(first, end);
-    std::vector<std::unique_lock<std::mutex>> locks;
+    std::vector<std::unique_lock<std::timed_mutex>> locks;
     for (const auto& page : pages)
     {
-      locks.emplace_back(page->Mutex);
+      constexpr std::chrono::milliseconds pause{ 100 };
+      locks.emplace_back(page->Mutex, std::defer_lock);
+      while (!locks.back().try_lock_for(pause))
+      {
+        if (ReadingStop::IsWanted())
+        {
+          return Status(StatusCode::Aborted, this->Path + ": reading was stopped");
+        }
+      }
     }
     return this->FetchMissing(first, pages);
   }
