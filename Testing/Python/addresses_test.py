@@ -16,6 +16,7 @@ import numpy
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "Tools"))
 
 import scalable_isosurface as si
+from scalable_isosurface import _library
 from address_server import KEY, SECRET, Server
 from volume_fixtures import make_samples, make_waves, VolumeTest, write_nrrd
 
@@ -232,6 +233,21 @@ class Regions(AddressTest):
         surface = si.open(self.address).isosurface(0.3, region=(500, 600, 0, 10, 0, 10))
         self.assertEqual(len(surface.triangles), 0)
 
+    def test_a_slice_on_a_layer_of_vertices_is_that_of_the_file(self):
+        # Three times a spacing of 0.1 is not 0.3: the plane is beside the layer by rounding.
+        place = {"spacing": (0.1, 0.1, 0.1), "origin": (0, 0, 0), "unit": "mm"}
+        for height in (0.3, 0.7, 12.9):
+            with self.subTest(height):
+                found, expected = (
+                    _library.open_volume(os.fsencode(name), "", b"", 2, **place).slice(
+                        (0, 0, 0, 0), (0, 0, height), (0, 0, 1), 1e6
+                    )
+                    for name in (self.address, self.www("a.zarr"))
+                )
+                self.assertIsNotNone(found)
+                numpy.testing.assert_array_equal(found[2], expected[2])
+                numpy.testing.assert_array_equal(found[2][..., 0], self.samples[round(10 * height)])
+
     def test_a_part_is_a_volume_with_its_place(self):
         part = si.open(f"{self.address}:[16-47,32-63,48-79]")
         self.assertEqual((part.shape, part.origin), ((32, 32, 32), (16, 32, 48)))
@@ -250,6 +266,10 @@ class Regions(AddressTest):
         numpy.testing.assert_array_equal(region[...], part[...])
         with self.assertRaisesRegex(ValueError, "the region is beside the volume"):
             si.open(self.address, region=(500, 600, 0, 1, 0, 1))
+        inner = si.open(f"{self.address}:[16-47,32-63,48-79]", region=(20, 22, 34, 36, 50, 52))
+        self.assertEqual((inner.shape, inner.origin), ((16, 16, 16), (16, 32, 48)))
+        with self.assertRaisesRegex(ValueError, "is a blocked volume, which is opened whole"):
+            si.open(path, region=(0, 1, 0, 1, 0, 1))
         for wrong in ("[0-150,0-1,0-1]", "[5-4,0-1,0-1]"):
             with self.assertRaisesRegex(ValueError, "has 150 x 140 x 130 samples, and no such part"):
                 si.open(f"{self.address}:{wrong}")
