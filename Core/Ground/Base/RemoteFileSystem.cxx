@@ -226,7 +226,7 @@ public:
       const std::uint64_t to = first + most < end ? first + most : end;
       const auto load = [self = this->shared_from_this(), first, to, token = ReadingStop::Share()]
       {
-        const ReadingStop stop(token);
+        const ReadingStop follows(token);
         Pages pages;
         static_cast<void>(self->LoadPages(first, to, pages)); // whoever reads tells the error
         --PrefetchingThreads;
