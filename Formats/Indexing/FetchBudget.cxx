@@ -62,12 +62,15 @@ Status FetchBudget::Run(Communicator& ranks, const Progress& progress,
   const std::function<Status(const Progress& advance)>& work)
 {
   const auto count = static_cast<std::uint64_t>(ranks.GetSize());
-  bool isSpent = false; // even if the limit has been raised since
+  std::atomic<bool> isSpent = false; // even if the limit has been raised since; any thread may ask
   const Progress isWithin = [this, count, &isSpent](double)
   {
     const std::uint64_t limit = this->Limit;
     const bool isMore = limit > 0 && this->CountMine() >= (limit + count - 1) / count;
-    isSpent = isSpent || isMore;
+    if (isMore)
+    {
+      isSpent = true;
+    }
     return !isMore;
   };
   const Progress advance = [&](double done)
