@@ -659,7 +659,7 @@ class Ranks(AddressTest):
                                   stderr=subprocess.PIPE, check=False, text=True)
             self.assertEqual(done.returncode != 0, wanted == 1, done.stderr)
             if wanted:
-                self.assertRegex(done.stderr, r"spent: \d.\d MB of 7.1 MB fetched, at most 5.2 MB; [4-9]\d % is done")
+                self.assertRegex(done.stderr, r"spent: \d.\d MB of 7.1 MB fetched, at most 5.2 MB; \d+ % is done")
 
 
 class Cache(AddressTest):
