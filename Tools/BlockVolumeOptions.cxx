@@ -84,20 +84,29 @@ std::vector<std::string> SplitAtCommas(const std::string& text)
   return words;
 }
 
-Result<std::array<double, 3>> ParseThree(const std::string& option, const std::string& text)
+/// `names`: "X,Y,Z".
+template <std::size_t Count>
+Result<std::array<double, Count>> ParseNumbers(
+  const std::string& option, const std::string& text, const char* names)
 {
   const std::vector<std::string> words = SplitAtCommas(text);
-  std::array<double, 3> values{};
-  for (std::size_t axis = 0; axis < 3; ++axis)
+  std::array<double, Count> values{};
+  for (std::size_t number = 0; number < Count; ++number)
   {
-    const auto value = words.size() == 3 ? ParseDouble(words[axis]) : std::nullopt;
+    const auto value = words.size() == Count ? ParseDouble(words[number]) : std::nullopt;
     if (!value)
     {
-      return MakeError(option, "\"" + text + "\" is not three numbers X,Y,Z");
+      return MakeError(
+        option, "\"" + text + "\" is not " + std::to_string(Count) + " numbers " + names);
     }
-    values[axis] = *value;
+    values[number] = *value;
   }
   return values;
+}
+
+Result<std::array<double, 3>> ParseThree(const std::string& option, const std::string& text)
+{
+  return ParseNumbers<3>(option, text, "X,Y,Z");
 }
 
 /// "none", "lz4", "zstd:3".
@@ -134,6 +143,7 @@ struct RawTexts
   std::string Dimensions;
   std::string Type = "uint8";
   std::string Name = "scalars";
+  std::string Region;
   std::string Spacing;
   std::string Origin;
   std::string Unit;
@@ -190,11 +200,8 @@ void AddWritingOptions(CLI::App& app, RawTexts& texts, BlockVolumeOptions& optio
   app.add_flag("--in-place", options.IsInPlace,
     "Write no samples at full resolution: queries decode those of IN, which has to stay. For\n"
     "all formats but gzip streams and those of VTK's readers");
-  app
-    .add_option("--region", options.Region,
-      "X0,X1,Y0,Y1,Z0,Z1 in the world: only the part of IN that has this box, in whole chunks")
-    ->delimiter(',')
-    ->expected(6);
+  app.add_option("--region", texts.Region,
+    "X0,X1,Y0,Y1,Z0,Z1 in the world: only the part of IN that has this box, in whole chunks");
   app
     .add_option("--fetch-budget", options.FetchBudget,
       "MiB that may be fetched of an IN at an address, for all time steps and ranks; 0: no limit")
@@ -394,6 +401,11 @@ Status TakeTexts(const RawTexts& texts, BlockVolumeOptions& options)
       ISOSURFACE_ASSIGN_OR_RETURN(const auto values, ParseThree(option, *text));
       *to = values;
     }
+  }
+  if (!texts.Region.empty())
+  {
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      options.Region, ParseNumbers<6>("--region", texts.Region, "X0,X1,Y0,Y1,Z0,Z1"));
   }
   options.Unit = FindLengthUnit(texts.Unit);
   if (options.Unit == LengthUnit::Unknown && !texts.Unit.empty())

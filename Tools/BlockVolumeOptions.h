@@ -48,8 +48,8 @@ struct BlockVolumeOptions
   std::optional<std::size_t> Step; ///< of the input; none: all
   bool IsInPlace = false;          ///< whether the samples stay in the input
   std::optional<RawVolume> Raw;    ///< of a file without header
-  std::vector<double> Region;      ///< x0 x1 y0 y1 z0 z1 of the part to read; empty: all
-  std::uint64_t FetchBudget = 0;   ///< MiB that may be fetched; 0: no limit
+  std::optional<std::array<double, 6>> Region; ///< x0 x1 y0 y1 z0 z1 of the part to read; none: all
+  std::uint64_t FetchBudget = 0;               ///< MiB that may be fetched; 0: no limit
   std::optional<std::array<double, 3>> Spacing;
   std::optional<std::array<double, 3>> Origin;
   LengthUnit Unit = LengthUnit::Unknown; ///< of spacing and origin; unknown: as the input says

@@ -164,16 +164,14 @@ Status WriteStep(const BlockVolumeOptions& options, InputVolume volume, std::siz
 Status RunWriteCommand(const BlockVolumeOptions& given, Communicator& ranks)
 {
   BlockVolumeOptions options = given;
-  if (!given.Region.empty())
+  if (given.Region)
   {
     if (given.Raw || given.Spacing || given.Origin)
     {
       return Status(StatusCode::InvalidArgument,
         "--region is a box in the file's own coordinates, without --raw, --spacing and --origin");
     }
-    std::array<double, 6> bounds{};
-    std::copy_n(given.Region.begin(), bounds.size(), bounds.begin());
-    const auto part = FindPart(GetLocalFileSystem(), given.Input, given.Axes, {}, bounds);
+    const auto part = FindPart(GetLocalFileSystem(), given.Input, given.Axes, {}, *given.Region);
     ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(part.GetStatus()));
     options.Input = *part;
   }
