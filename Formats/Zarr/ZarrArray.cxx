@@ -374,38 +374,31 @@ void ZarrArray::KeepChunk(const Numbers& chunk, const Samples& samples)
   this->Cached[chunk] = this->Cache.begin();
 }
 
-Status ZarrArray::CopyChunks(
-  const std::vector<Wanted>& chunks, const Numbers& low, const Numbers& size, std::uint8_t* to)
+Status ZarrArray::TakeChunk(
+  const Wanted& wanted, const Numbers& low, const Numbers& size, std::uint8_t* to)
 {
-  FirstFailure failure;
-  std::vector<Samples> samples(chunks.size());
-  ParallelFor(chunks.size(), static_cast<int>(chunks.size()),
-    [&](std::size_t number, int)
-    {
-      if (this->Cached.count(chunks[number].Chunk) == 0)
-      {
-        auto loaded = this->LoadChunk(chunks[number].Chunk);
-        failure.Keep(loaded.GetStatus());
-        samples[number] = loaded.IsOk() ? std::move(*loaded) : Samples();
-      }
-    });
-  ISOSURFACE_RETURN_IF_ERROR(failure.Get());
-  for (std::size_t number = 0; number < chunks.size(); ++number)
+  const Numbers& chunk = wanted.Chunk;
+  Samples samples;
+  bool isCached = false;
   {
-    const Numbers& chunk = chunks[number].Chunk;
-    if (const auto found = this->Cached.find(chunk); found != this->Cached.end())
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    const auto found = this->Cached.find(chunk);
+    isCached = found != this->Cached.end();
+    if (isCached)
     {
       this->Cache.splice(this->Cache.begin(), this->Cache, found->second);
-      samples[number] = this->Cache.front().Decoded;
+      samples = this->Cache.front().Decoded;
     }
-    this->CopyChunk(samples[number].get(), chunk, low, size, to);
   }
-  for (std::size_t number = 0; number < chunks.size(); ++number)
+  if (!isCached)
   {
-    if (chunks[number].IsPart && this->Cached.count(chunks[number].Chunk) == 0)
-    {
-      this->KeepChunk(chunks[number].Chunk, samples[number]);
-    }
+    ISOSURFACE_ASSIGN_OR_RETURN(samples, this->LoadChunk(chunk));
+  }
+  this->CopyChunk(samples.get(), chunk, low, size, to);
+  if (!isCached && wanted.IsPart)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    this->KeepChunk(chunk, samples);
   }
   return Status::Ok();
 }
@@ -500,13 +493,12 @@ Status ZarrArray::Read(const Numbers& low, const Numbers& size, std::uint8_t* to
     }
     wanted.push_back({ chunk, isPart });
     isMore = Advance(chunk, first, end);
-    if (!isMore || wanted.size() == this->AtOnce)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(this->CopyChunks(wanted, low, size, to));
-      wanted.clear();
-    }
   }
-  return Status::Ok();
+  FirstFailure failure;
+  ParallelFor(wanted.size(), static_cast<int>(this->AtOnce),
+    [&](std::size_t number, int)
+    { failure.Run([&] { return this->TakeChunk(wanted[number], low, size, to); }); });
+  return failure.Get();
 }
 
 } // namespace isosurface

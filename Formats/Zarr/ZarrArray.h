@@ -65,9 +65,8 @@ private:
   Status MakeError(const std::string& path, const std::string& reason) const;
   /// Memory for decoded samples. Large chunks are not of the heap, which would not give them back.
   Result<Samples> Allocate(std::size_t bytes);
-  /// Copies chunks, of the cache if they are there, to a box.
-  Status CopyChunks(
-    const std::vector<Wanted>& chunks, const Numbers& low, const Numbers& size, std::uint8_t* to);
+  /// Copies a chunk, of the cache if it is there, to a box. Any thread may call it.
+  Status TakeChunk(const Wanted& wanted, const Numbers& low, const Numbers& size, std::uint8_t* to);
   void KeepChunk(const Numbers& chunk, const Samples& samples);
   /// A chunk as it is stored. Any thread may call it.
   Result<Samples> LoadChunk(const Numbers& chunk);
@@ -94,9 +93,9 @@ private:
   std::size_t CacheBytes;
   std::size_t AtOnce = 1; ///< chunks that are loaded at the same time
   std::shared_ptr<PageBufferPool> Pool;
+  std::mutex Mutex;       ///< of what follows
   std::list<Entry> Cache; ///< the last one used first
   std::map<Numbers, std::list<Entry>::iterator> Cached;
-  std::mutex Mutex; ///< of Shards
   std::map<Numbers, std::shared_ptr<Shard>> Shards;
 };
 

@@ -56,8 +56,9 @@ struct ZarrNode
   nlohmann::json Attributes; ///< of the user; an object
   int Version = 0;           ///< 2 or 3; 5 for N5; 0 if the folder is none
 
-  /// Reads the JSON files of a folder. Errors: Corrupt, which names the file.
-  static Result<ZarrNode> Read(FileSystem& files, const std::string& folder);
+  /// Reads the JSON files of a folder. Errors: Corrupt, which names the file. `around`: the version of the group
+  /// that it is in, if that is known: of an address, files of others are not asked for.
+  static Result<ZarrNode> Read(FileSystem& files, const std::string& folder, int around = 0);
 };
 
 /**

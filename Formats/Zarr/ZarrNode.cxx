@@ -82,12 +82,15 @@ Result<Json> ReadJson(FileSystem& files, const std::string& path)
 
 } // namespace
 
-Result<ZarrNode> ZarrNode::Read(FileSystem& files, const std::string& folder)
+Result<ZarrNode> ZarrNode::Read(FileSystem& files, const std::string& folder, int around)
 {
+  const int version = IsAddress(folder) ? around : 0;
+  const auto read = [&](int of, const char* name)
+  { return version == 0 || version == of ? ReadJson(files, folder + name) : Result<Json>(Json()); };
   ZarrNode node;
   node.Attributes = Json::object();
-  LookForZarr(files, folder);
-  ISOSURFACE_ASSIGN_OR_RETURN(auto third, ReadJson(files, folder + "/zarr.json"));
+  LookForZarr(files, { folder }, version);
+  ISOSURFACE_ASSIGN_OR_RETURN(auto third, read(3, "/zarr.json"));
   if (third.is_object())
   {
     node.Version = 3;
@@ -99,9 +102,10 @@ Result<ZarrNode> ZarrNode::Read(FileSystem& files, const std::string& folder)
     node.Array = std::move(third);
     return node;
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(auto array, ReadJson(files, folder + "/.zarray"));
-  ISOSURFACE_ASSIGN_OR_RETURN(auto attributes, ReadJson(files, folder + "/.zattrs"));
-  if (array.is_object() || attributes.is_object() || files.Exists(folder + "/.zgroup"))
+  ISOSURFACE_ASSIGN_OR_RETURN(auto array, read(2, "/.zarray"));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto attributes, read(2, "/.zattrs"));
+  if (array.is_object() || attributes.is_object() ||
+    (version == 0 && files.Exists(folder + "/.zgroup")))
   {
     node.Version = 2;
     node.IsArray = array.is_object();
@@ -109,7 +113,7 @@ Result<ZarrNode> ZarrNode::Read(FileSystem& files, const std::string& folder)
     node.Attributes = attributes.is_object() ? std::move(attributes) : node.Attributes;
     return node;
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(auto n5, ReadJson(files, folder + "/attributes.json"));
+  ISOSURFACE_ASSIGN_OR_RETURN(auto n5, read(5, "/attributes.json"));
   if (n5.is_object())
   {
     node.Version = 5;

@@ -25,11 +25,28 @@ namespace
 
 using Json = nlohmann::json;
 
-constexpr const char* MetadataNames[] = { "zarr.json", ".zarray", ".zgroup", ".zattrs",
-  "attributes.json" };
+/// Names of metadata, and the versions (ZarrNode) that have them; 0: what it says is known with the version.
+constexpr std::pair<const char*, int> MetadataNames[] = { { "zarr.json", 3 }, { ".zarray", 2 },
+  { ".zgroup", 0 }, { ".zattrs", 2 }, { "attributes.json", 5 } };
+
+/// The paths of the metadata that a folder of a version may have; 0: of any.
+std::vector<std::string> ListMetadata(const std::string& folder, int version)
+{
+  std::vector<std::string> paths;
+  for (const auto& [name, of] : MetadataNames)
+  {
+    if (version == 0 || version == of)
+    {
+      paths.push_back(folder + "/" + name);
+    }
+  }
+  return paths;
+}
+
 /// Of an image; each is compared with those before.
 constexpr std::size_t MaximumAxes = 32;
 constexpr std::size_t MaximumChannels = 1024;
+constexpr std::size_t MaximumLevels = 32;
 
 class ZarrReader
 {
@@ -76,9 +93,10 @@ private:
     const Json& ome = FindOme(node);
     if (const Json& image = FindImage(ome); !image.is_null())
     {
-      this->TellOthers(ome);
+      this->LookForLevels(FindJson(image, "datasets"), node.Version);
+      this->TellOthers(ome, node.Version);
       this->Attributes = node.Attributes;
-      return this->OpenImage(image, FindJson(ome, "omero"), std::nullopt, node.Version == 5);
+      return this->OpenImage(image, FindJson(ome, "omero"), std::nullopt, node.Version);
     }
     if (!FindJson(ome, "bioformats2raw.layout").is_null() && depth < MaximumZarrDepth)
     {
@@ -144,14 +162,25 @@ private:
         "; it has " + JoinTexts(paths));
   }
 
+  /// What an image at an address is made of is asked for at once.
+  void LookForLevels(const Json& datasets, int version)
+  {
+    std::vector<std::string> folders = { this->Folder + "/labels" };
+    for (std::size_t level = 0; level < std::min(datasets.size(), MaximumLevels); ++level)
+    {
+      folders.push_back(this->Folder + "/" + GetLevelPath(datasets, level));
+    }
+    LookForZarr(this->Files, folders, version);
+  }
+
   /// What of an image is not read with it.
-  void TellOthers(const Json& ome)
+  void TellOthers(const Json& ome, int version)
   {
     if (FindJson(ome, "multiscales").size() > 1)
     {
       AddNote(this->Volume.LeftOut, "its first multiscales are read, and not the others");
     }
-    const auto labels = ZarrNode::Read(this->Files, this->Folder + "/labels");
+    const auto labels = ZarrNode::Read(this->Files, this->Folder + "/labels", version);
     const std::vector<std::string> names =
       labels.IsOk() ? ListPaths(FindJson(FindOme(*labels), "labels")) : std::vector<std::string>();
     if (!names.empty())
@@ -184,8 +213,7 @@ private:
           this->ArrayName = this->ArrayName.empty() ? this->MakeName() : this->ArrayName;
           this->Folder = group.string();
           this->Attributes = outer->Attributes;
-          return this->OpenImage(
-            image, FindJson(FindOme(*outer), "omero"), level, outer->Version == 5);
+          return this->OpenImage(image, FindJson(FindOme(*outer), "omero"), level, outer->Version);
         }
       }
     }
@@ -246,7 +274,7 @@ private:
     ISOSURFACE_RETURN_IF_ERROR(
       TakeVolumeArrays(std::move(parts), this->Choice.Arrays, this->Volume));
     this->Axes = *axes;
-    this->Volume.Files = this->FindFiles(folder);
+    this->Volume.Files = this->FindFiles(folder, node.Version);
     this->Volume.Storage = node.Array.dump();
     this->Attributes.update(node.Attributes);
     if (!isImage)
@@ -257,16 +285,13 @@ private:
   }
 
   /// What tells whether the array was changed: of an address, which nobody can list, its metadata.
-  std::vector<std::string> FindFiles(const std::string& folder)
+  std::vector<std::string> FindFiles(const std::string& folder, int version)
   {
-    std::vector<std::string> paths;
-    for (const char* const name : MetadataNames)
-    {
-      if (IsAddress(folder) && this->Files.Exists(folder + "/" + name))
-      {
-        paths.push_back(folder + "/" + name);
-      }
-    }
+    std::vector<std::string> paths =
+      IsAddress(folder) ? ListMetadata(folder, version) : std::vector<std::string>();
+    paths.erase(std::remove_if(paths.begin(), paths.end(),
+                  [this](const std::string& path) { return !this->Files.Exists(path); }),
+      paths.end());
     return paths.empty() ? std::vector<std::string>{ folder } : paths;
   }
 
@@ -431,13 +456,13 @@ private:
   }
 
   /// The level that is chosen (VolumeChoice::Vertices). One that cannot be read ends the search.
-  std::size_t FindLevel(const Json& datasets)
+  std::size_t FindLevel(const Json& datasets, int version)
   {
     std::size_t level = 0;
     while (this->Choice.Vertices > 0)
     {
       const std::string path = GetLevelPath(datasets, level);
-      const auto node = ZarrNode::Read(this->Files, this->Folder + "/" + path);
+      const auto node = ZarrNode::Read(this->Files, this->Folder + "/" + path, version);
       const auto metadata = node.IsOk() && node->IsArray && !path.empty()
         ? ParseZarrMetadata(*node, this->Folder + "/" + path)
         : Result<ZarrMetadata>(Status(StatusCode::NotFound, path));
@@ -459,10 +484,10 @@ private:
 
   /// `chosen`: the number of a level that was named. N5 may have its axes the other way round.
   Status OpenImage(
-    const Json& image, const Json& omero, std::optional<std::size_t> chosen, bool isN5)
+    const Json& image, const Json& omero, std::optional<std::size_t> chosen, int version)
   {
     const Json& datasets = FindJson(image, "datasets");
-    const std::size_t level = chosen ? *chosen : this->FindLevel(datasets);
+    const std::size_t level = chosen ? *chosen : this->FindLevel(datasets, version);
     const std::string path = GetLevelPath(datasets, level);
     if (path.empty())
     {
@@ -488,12 +513,12 @@ private:
     }
     const Json& transform = FindJson(datasets[level], "transform");
     std::string letters = this->FindLetters(axes.is_null() ? FindJson(transform, "axes") : axes);
-    if (isN5 && !letters.empty() && letters.front() == 'x')
+    if (version == 5 && !letters.empty() && letters.front() == 'x')
     {
       std::reverse(letters.begin(), letters.end());
     }
     const std::string folder = this->Folder + "/" + path;
-    ISOSURFACE_ASSIGN_OR_RETURN(const auto node, ZarrNode::Read(this->Files, folder));
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto node, ZarrNode::Read(this->Files, folder, version));
     if (!node.IsArray)
     {
       return this->MakeError(StatusCode::Corrupt, folder, "there is no array");
@@ -560,25 +585,27 @@ Result<OpenedVolume> OpenZarrVolume(
 
 bool IsZarrMetadata(const std::string& name)
 {
-  return std::find(std::begin(MetadataNames), std::end(MetadataNames), name) !=
-    std::end(MetadataNames);
+  return std::any_of(std::begin(MetadataNames), std::end(MetadataNames),
+    [&name](const auto& known) { return name == known.first; });
 }
 
-void LookForZarr(FileSystem& files, const std::string& folder)
+void LookForZarr(FileSystem& files, const std::vector<std::string>& folders, int version)
 {
   std::vector<std::string> paths;
-  for (const char* const name : MetadataNames)
+  for (const std::string& folder : folders)
   {
-    paths.push_back(folder + "/" + name);
+    const std::vector<std::string> names = ListMetadata(folder, version);
+    paths.insert(paths.end(), names.begin(), names.end());
   }
   files.LookFor(paths);
 }
 
 bool IsZarrFolder(FileSystem& files, const std::string& path)
 {
-  LookForZarr(files, path);
-  return std::any_of(std::begin(MetadataNames), std::end(MetadataNames),
-    [&](const char* name) { return files.Exists(path + "/" + name); });
+  LookForZarr(files, { path });
+  const std::vector<std::string> paths = ListMetadata(path, 0);
+  return std::any_of(
+    paths.begin(), paths.end(), [&](const std::string& one) { return files.Exists(one); });
 }
 
 } // namespace isosurface

@@ -32,8 +32,8 @@ Result<std::vector<VolumeListing>> ListZarr(FileSystem& files, const VolumeName&
 
 /// Whether a file of this name has metadata of Zarr or N5.
 bool IsZarrMetadata(const std::string& name);
-/// Hints that the metadata of a folder will be read (FileSystem::LookFor).
-void LookForZarr(FileSystem& files, const std::string& folder);
+/// Hints that the metadata of folders will be read (FileSystem::LookFor): of a version of ZarrNode, or of any (0).
+void LookForZarr(FileSystem& files, const std::vector<std::string>& folders, int version = 0);
 /// Whether a folder has such a file.
 bool IsZarrFolder(FileSystem& files, const std::string& path);
 

@@ -236,6 +236,7 @@ Status CheckSourceFiles(FileSystem& files, const std::string& header, const std:
 Result<FileState> FindStateOfAll(FileSystem& files, const std::vector<std::string>& paths)
 {
   FileState all;
+  files.LookFor(paths);
   for (const std::string& path : paths)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(const auto state, files.FindState(path));
