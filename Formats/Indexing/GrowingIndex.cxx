@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Indexing/GrowingIndex.h"
 
+#include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
@@ -20,6 +21,9 @@ constexpr double ShareToEstimate = 0.02;
 constexpr double EnoughLarger = 1.5;
 /// Ranks tell each other what they have sampled after each of so many parts of the work.
 constexpr double GatheringSteps = 20;
+/// Of fetching a finer sample, as the coarse one tells; and the most vertices of it.
+constexpr double FinerSeconds = 4;
+constexpr std::int64_t MostVertices = std::int64_t{ 1 } << 24;
 
 } // namespace
 
@@ -43,8 +47,12 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
       new FinishedLayers(place, OpenForeignVolume, this->Index.Path, this->Index.Place),
       [memory = this->Memory](FinishedLayers* layers) { delete layers; });
   }
+  const bool isCoarse = this->Sample.Volume && this->Sample.Level > 0 && this->Sample.Share == 1;
+  this->FetchesFiner = isCoarse && this->Sample.Step == 0 && IsAddress(this->Index.Source);
   this->Writing = std::make_unique<CollectiveTask>(ranks, this->Index.Source,
-    [this, &place, memoryBytes](Communicator& all, const Progress& advance) -> Status
+    [this, &place, memoryBytes, finer = this->FetchesFiner, level = this->Sample.Level,
+      vertices = this->Sample.Vertices,
+      seconds = this->Sample.Seconds](Communicator& all, const Progress& advance) -> Status
     {
       const Progress tell = [&](double done)
       {
@@ -58,11 +66,36 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
       // However it ends.
       const std::unique_ptr<FinishedLayers, void (*)(FinishedLayers*)> end(
         this->Finished.get(), [](FinishedLayers* layers) { layers->End(); });
+      if (finer)
+      {
+        ISOSURFACE_RETURN_IF_ERROR(this->FetchFiner(all, level, vertices, seconds, advance));
+      }
       ISOSURFACE_ASSIGN_OR_RETURN(this->LeftOut,
         WriteSourceIndex(
           all, place, this->Index, memoryBytes, tell, this->Collector.get(), this->Finished.get()));
       return Status::Ok();
     });
+}
+
+Status GrowingIndex::FetchFiner(
+  Communicator& ranks, int level, std::int64_t vertices, double seconds, const Progress& progress)
+{
+  SampleLimits limits;
+  limits.Seconds = 2 * FinerSeconds;
+  limits.CoarserThan = level;
+  const double most =
+    static_cast<double>(vertices) * FinerSeconds / std::max(seconds, FinerSeconds / 100);
+  limits.Vertices =
+    most < static_cast<double>(MostVertices) ? static_cast<std::int64_t>(most) : MostVertices;
+  const Progress look = [&progress](double) { return progress(0); };
+  ISOSURFACE_ASSIGN_OR_RETURN(
+    auto sample, ReadSourceSample(ranks, this->Files, this->Index, limits, look));
+  if (sample.Volume && sample.Share == 1)
+  {
+    this->Larger = std::move(sample);
+    this->HasFiner = true;
+  }
+  return Status::Ok();
 }
 
 bool GrowingIndex::IsCurrent() const
@@ -93,14 +126,14 @@ void GrowingIndex::SetSample(SourceSample sample)
 
 bool GrowingIndex::HasLargerSample(Communicator& ranks)
 {
-  if (!this->Collector || this->Sample.Step > 0)
+  if ((!this->Collector && !this->FetchesFiner) || this->Sample.Step > 0)
   {
     return false;
   }
-  std::vector<std::uint64_t> all = { this->Finished->AreShown() ? 0U : 1U,
-    this->Enlarging && this->Enlarging->Wait(0) ? 1U : 0U };
+  const bool isThere = this->HasFiner || (this->Enlarging && this->Enlarging->Wait(0));
+  std::vector<std::uint64_t> all = { this->Finished->AreShown() ? 0U : 1U, isThere ? 1U : 0U };
   ranks.ReduceMinimum(all);
-  if (all[0] != 0 && !this->Enlarging && this->BeginStatus.IsOk())
+  if (this->Collector && all[0] != 0 && !this->Enlarging && this->BeginStatus.IsOk())
   {
     this->BeginStatus =
       RunCollective(this->Index.Source, [&] { return this->BeginEnlarging(ranks); });
@@ -165,6 +198,12 @@ Status GrowingIndex::BeginEnlarging(Communicator& ranks)
 
 Status GrowingIndex::EnlargeSample(Communicator& ranks)
 {
+  if (this->FetchesFiner) // then nothing is collected
+  {
+    this->FetchesFiner = false;
+    this->Sample = std::move(this->Larger);
+    return Status::Ok();
+  }
   const std::unique_ptr<BackgroundTask> made = std::move(this->Enlarging);
   const Status begun = std::exchange(this->BeginStatus, Status::Ok());
   ISOSURFACE_RETURN_IF_ERROR(begun);

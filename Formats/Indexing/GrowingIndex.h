@@ -33,7 +33,8 @@ class FinishedLayers;
  * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
  * writing it may be.
  *
- * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished).
+ * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished). If it is a coarse level of a
+ * pyramid at an address, a finer one is fetched first, as fine as some seconds allow.
  *
  * The destructor stops the writing. Then an older index stays as it was, and what is written of this
  * one is kept for the next try (WriteSourceIndex).
@@ -94,6 +95,9 @@ public:
   Result<std::shared_ptr<BlockedVolume>> Open(const GridPlace& place) const;
 
 private:
+  /// Fetches a larger sample than the first one, of this level and so many vertices, which took so long.
+  Status FetchFiner(Communicator& ranks, int level, std::int64_t vertices, double seconds,
+    const Progress& progress);
   /// Each rank tells the others what it has sampled, now and then.
   Status GatherSamples(Communicator& ranks);
   /// Begins to make the volume of the slices of the sample that all ranks know, if these are many more
@@ -107,14 +111,16 @@ private:
   std::shared_ptr<FinishedLayers> Finished;
   std::shared_ptr<MemoryFileSystem> Memory; ///< null if the index can be written to its place
   std::chrono::steady_clock::time_point FirstTime; ///< that of FirstProgress, written before it
-  SourceSample Larger;                             ///< the thread's until it has ended
-  std::unique_ptr<BackgroundTask> Enlarging;       ///< makes it; null if nothing is much larger
-  Status BeginStatus;                      ///< of the last BeginEnlarging; the same on all ranks
-  std::int64_t CommonSlices = 0;           ///< complete on all ranks
-  std::uint64_t GatheredSteps = 0;         ///< of the work when samples were gathered last
-  std::string LeftOut;                     ///< the thread's until it has ended
-  std::atomic<double> FirstProgress = -1;  ///< negative before the first round
-  std::unique_ptr<CollectiveTask> Writing; ///< the last member: it uses the others
+  SourceSample Larger;                             ///< a thread's until it has ended, or HasFiner
+  bool FetchesFiner = false;                       ///< the same on all ranks
+  std::atomic<bool> HasFiner = false;
+  std::unique_ptr<BackgroundTask> Enlarging; ///< makes it; null if nothing is much larger
+  Status BeginStatus;                        ///< of the last BeginEnlarging; the same on all ranks
+  std::int64_t CommonSlices = 0;             ///< complete on all ranks
+  std::uint64_t GatheredSteps = 0;           ///< of the work when samples were gathered last
+  std::string LeftOut;                       ///< the thread's until it has ended
+  std::atomic<double> FirstProgress = -1;    ///< negative before the first round
+  std::unique_ptr<CollectiveTask> Writing;   ///< the last member: it uses the others
 };
 
 } // namespace isosurface

@@ -93,12 +93,13 @@ class ChunkOrder : public ReadingOrder
 {
 public:
   /// While the box is an eighth of the source, the lattice has half of the step.
-  ChunkOrder(const VertexBox& box, const Index3& chunk, const Index3& step)
+  ChunkOrder(const VertexBox& box, const Index3& chunk, const Index3& step, std::int64_t atOnce)
     : ReadingOrder({ std::max<std::int64_t>(1, step[0] / 2), std::max<std::int64_t>(1, step[1] / 2),
         std::max<std::int64_t>(1, step[2] / 2) })
     , Box(box)
     , Chunk(chunk)
     , WholeStep(step)
+    , AtOnce(atOnce)
   {
     for (std::size_t axis = 0; axis < 3; ++axis)
     {
@@ -110,7 +111,12 @@ public:
   std::vector<VertexBox> FindNext() override
   {
     const VertexBox before = this->Read;
-    this->Grow();
+    const std::int64_t known = before.GetNumberOfVertices();
+    const std::int64_t wanted = std::min(known + this->AtOnce, this->Chunks.GetNumberOfVertices());
+    while (this->Read.GetNumberOfVertices() < wanted)
+    {
+      this->Grow();
+    }
     std::vector<VertexBox> boxes;
     VisitVertices(this->Read,
       [&](const Index3& chunk)
@@ -175,6 +181,7 @@ private:
   const VertexBox Box;
   const Index3 Chunk;
   const Index3 WholeStep;
+  const std::int64_t AtOnce;
   VertexBox Chunks; ///< all, by number
   VertexBox Read;   ///< those of the boxes so far
 };
@@ -226,7 +233,8 @@ VertexBox Lattice::GetNumbers() const
   return numbers;
 }
 
-std::unique_ptr<ReadingOrder> ReadingOrder::Choose(const BoxSource& source, std::int64_t vertices)
+std::unique_ptr<ReadingOrder> ReadingOrder::Choose(
+  const BoxSource& source, std::int64_t vertices, std::int64_t atOnce)
 {
   const VertexBox& box = source.GetBox();
   const Index3 step = ChooseStep(box.High, vertices);
@@ -237,7 +245,7 @@ std::unique_ptr<ReadingOrder> ReadingOrder::Choose(const BoxSource& source, std:
   }
   if (chunk)
   {
-    return std::make_unique<ChunkOrder>(box, *chunk, step);
+    return std::make_unique<ChunkOrder>(box, *chunk, step, atOnce);
   }
   VertexBox slice = box;
   slice.High[2] = std::min<std::int64_t>(1, box.High[2]);

@@ -28,8 +28,10 @@ struct Lattice
 class ReadingOrder
 {
 public:
-  /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`.
-  static std::unique_ptr<ReadingOrder> Choose(const BoxSource& source, std::int64_t vertices);
+  /// The order that suits the source (ReadSourceSample), for a lattice of about `vertices`. Parts have `atOnce` chunks
+  /// or more, as long as there are so many.
+  static std::unique_ptr<ReadingOrder> Choose(
+    const BoxSource& source, std::int64_t vertices, std::int64_t atOnce = 1);
   virtual ~ReadingOrder() = default;
 
   /// The boxes of the next part; none if all is read. They have no vertex in common with those of

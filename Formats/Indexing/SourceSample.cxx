@@ -127,6 +127,8 @@ Result<SourceSample> MakeSourceSample(FileSystem& files, const SourceIndex& inde
   sample.Volume = std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());
   sample.WholeStep = lattice.Step;
   sample.Step = of.Step;
+  sample.Level = of.Level;
+  sample.Vertices = piece.Box.GetNumberOfVertices();
   sample.Share = static_cast<double>(lattice.Box.GetNumberOfVertices()) /
     static_cast<double>(of.Box.GetNumberOfVertices());
   sample.IsWhole = of.Level == 0 && lattice.Step == Index3{ 1, 1, 1 } && lattice.Box == of.Box;

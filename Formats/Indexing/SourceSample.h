@@ -30,6 +30,9 @@ struct SourceSample
   Index3 WholeStep{ 1, 1, 1 };           ///< with which a sample of the whole file is as large
   double Share = 0;                      ///< of the file that its box is
   std::size_t Step = 0;                  ///< the time step that it is of
+  int Level = 0;                         ///< OpenedVolume::Level
+  std::int64_t Vertices = 0;             ///< of the volume
+  double Seconds = 0;                    ///< that reading took; the same on all ranks
   bool IsWhole = false;                  ///< whether it has all samples of the file
   std::string Text;                      ///< what it is of the file: "one of 16 x 16 x 16 samples"
 };

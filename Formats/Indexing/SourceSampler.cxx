@@ -22,7 +22,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::uint64_t Mebibyte = 1 << 20;
 /// Enough reads at once to keep a disk busy.
-constexpr std::uint64_t MostThreads = 8;
+constexpr int MostThreads = 8;
 /// What all threads of a rank may have read at once, if a chunk is not larger.
 constexpr std::uint64_t ReadBytes = 256 * Mebibyte;
 /// Rows that are closer than this in a file are read together.
@@ -56,6 +56,8 @@ public:
 
   /// Collective.
   Status Read();
+  /// Whether there is a sample (SampleLimits::CoarserThan).
+  bool HasSample() const { return this->Order != nullptr; }
   /// What this rank has read.
   Message PackTiles() const;
   /// The volume of what all ranks have read.
@@ -65,6 +67,11 @@ private:
   using Clock = std::chrono::steady_clock;
 
   Status Open();
+  /// Whether the file has no sample of the kind that is wanted; the same on all ranks, which have opened it.
+  bool IsLeftOut() const
+  {
+    return this->Limits.CoarserThan > 0 && this->Volume.Level >= this->Limits.CoarserThan;
+  }
   double GetSeconds() const
   {
     return std::chrono::duration<double>(Clock::now() - this->Begin).count();
@@ -93,6 +100,8 @@ private:
   const Progress& Advance;
   VolumeChoice Choice;
   const Clock::time_point Begin = Clock::now();
+  double Opened = 0;                               ///< when it was, in seconds
+  double Seconds = 0;                              ///< of reading, of the slowest rank
   std::vector<std::unique_ptr<BoxSource>> Sources; ///< of each thread; the first is open
   SampledVolume Volume;
   std::unique_ptr<ReadingOrder> Order;
@@ -105,13 +114,16 @@ Status Sampler::Open()
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto volume, OpenForeignVolume(this->Files, this->Index.Source, this->Choice));
   this->Volume = SampledVolume(volume, this->Choice.Step);
-  this->Order = ReadingOrder::Choose(*volume.Source, this->Limits.Vertices);
+  const auto threads =
+    static_cast<std::uint64_t>(ChooseReadingThreads(this->Index.Source, MostThreads));
+  this->Order = ReadingOrder::Choose(
+    *volume.Source, this->Limits.Vertices, ChooseReadingThreads(this->Index.Source, 1));
   const VertexBox& box = volume.Source->GetBox();
   const auto chunk = volume.Source->GetChunk();
   const std::uint64_t bytes = std::max<std::uint64_t>(1,
     volume.Source->GetReadBytes(VertexBox{ { 0, 0, 0 }, chunk.value_or(box.High) }.Intersect(box)));
   // A second reader of a stream would read it from the front.
-  this->Sources.resize(chunk ? std::clamp<std::uint64_t>(ReadBytes / bytes, 1, MostThreads) : 1);
+  this->Sources.resize(chunk ? std::clamp<std::uint64_t>(ReadBytes / bytes, 1, threads) : 1);
   this->Sources.front() = std::move(volume.Source);
   return Status::Ok();
 }
@@ -131,6 +143,12 @@ Status Sampler::Read()
 {
   ISOSURFACE_RETURN_IF_ERROR(
     this->Ranks.Agree(Attempt(this->Index.Source, [this] { return this->Open(); })));
+  if (this->Ranks.Any(this->IsLeftOut()))
+  {
+    this->Order.reset();
+    return Status::Ok();
+  }
+  this->Opened = this->GetSeconds();
   double secondsPerBox = 0;
   for (bool isFirst = true;; isFirst = false)
   {
@@ -148,6 +166,11 @@ Status Sampler::Read()
     ISOSURFACE_RETURN_IF_ERROR(this->Ranks.ReduceAgreed(found, ends));
     if (ends[0] != 0)
     {
+      constexpr double thousand = 1000;
+      std::vector<std::uint64_t> passed = { static_cast<std::uint64_t>(
+        thousand * (this->GetSeconds() - this->Opened)) };
+      this->Ranks.ReduceMaximum(passed);
+      this->Seconds = static_cast<double>(passed[0]) / thousand;
       return Status::Ok();
     }
     ISOSURFACE_RETURN_IF_ERROR(
@@ -322,6 +345,7 @@ Result<SourceSample> Sampler::MakeVolume(const std::vector<Message>& messages) c
   if (sample.IsOk())
   {
     sample->WholeStep = this->Order->GetWholeStep();
+    sample->Seconds = this->Seconds;
   }
   return sample;
 }
@@ -335,6 +359,10 @@ Result<SourceSample> ReadSourceSample(Communicator& ranks, FileSystem& files,
   {
     Sampler sampler(ranks, files, index, limits, progress);
     ISOSURFACE_RETURN_IF_ERROR(sampler.Read());
+    if (!sampler.HasSample())
+    {
+      return SourceSample();
+    }
     ISOSURFACE_ASSIGN_OR_RETURN(const auto messages,
       GatherFromAll(ranks, index.Source,
         [&](Message& tiles)

@@ -21,6 +21,8 @@ struct SampleLimits
   double Seconds = 1; ///< of reading; a first part of the file is read however long it takes
   std::int64_t Vertices = std::int64_t{ 1 } << 21;
   std::size_t Step = 0; ///< the time step
+  int CoarserThan =
+    0; ///< if not 0: of a pyramid, a level that is finer than this one, all of it, or no sample
 };
 
 /**
@@ -33,6 +35,7 @@ struct SampleLimits
  *     a box of whole chunks  of other files, which grows from the middle
  *     the first slices       of streams, which can only be read in order
  *
+ * Of an address, as many chunks are read at once as there are requests at the same time.
  * Slices are read in such an order, m from large to small, that they can end at any time; so can
  * boxes. Collective. Errors: those of the source; Aborted. Memory: some times the sample; and a chunk, or a slice, for each thread.
  */
