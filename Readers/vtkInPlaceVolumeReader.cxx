@@ -459,6 +459,25 @@ bool vtkInPlaceVolumeReader::IsPending()
   return !isCurrent && readHeader();
 }
 
+int vtkInPlaceVolumeReader::RequestInformation(
+  vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
+{
+  if (!isosurface::IsAddress(ToText(this->SourceName)))
+  {
+    return this->Superclass::RequestInformation(request, input, output);
+  }
+  // An abortion stays known until data are asked for. One from before is none of what waits for a server now.
+  const isosurface::Progress isWanted = [this](double)
+  { return isosurface::MakeProgress(*this)(this->GetProgress()); };
+  const bool wasStopped = !isWanted(0);
+  const isosurface::Progress look = [&](double) { return wasStopped || isWanted(0); };
+  const isosurface::ReadingStop stop(look);
+  const int done = this->Superclass::RequestInformation(request, input, output);
+  this->IsStopped = isosurface::ReadingStop::IsWanted();
+  this->TellTime = this->IsStopped ? 0 : this->TellTime; // times are to be read again
+  return done;
+}
+
 int vtkInPlaceVolumeReader::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
@@ -468,7 +487,7 @@ int vtkInPlaceVolumeReader::RequestData(
   bool isPending = false;
   {
     const isosurface::ReadingStop stop(look);
-    isPending = this->IsPending();
+    isPending = this->IsStopped || this->IsPending();
   }
   const std::size_t step = this->FindStep(output->GetInformationObject(0));
   const bool pending = ranks.Any(isPending || this->IsOtherSample(step));
@@ -519,6 +538,10 @@ isosurface::Status vtkInPlaceVolumeReader::UpdateIndex(
   isosurface::Communicator& ranks, std::size_t step)
 {
   Steps steps(*this);
+  if (std::exchange(this->IsStopped, false))
+  {
+    steps.Failure = Status(StatusCode::Aborted, ToText(this->SourceName) + ": reading was stopped");
+  }
   std::vector<std::uint64_t> all = { this->CoarseAllowed ? 0u : 1u, steps.IsGrowing() ? 0u : 1u,
     step };
   ISOSURFACE_RETURN_IF_ERROR(ranks.ReduceAgreed(steps.Failure, all));

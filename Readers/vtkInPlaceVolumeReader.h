@@ -175,6 +175,8 @@ protected:
   ~vtkInPlaceVolumeReader() override;
 
   bool IsPending() override;
+  int RequestInformation(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
@@ -210,6 +212,7 @@ private:
   vtkStringArray* Datasets;
   vtkMTimeType CheckTime = 0; ///< our MTime when the index was found up to date, or a sample read
   vtkMTimeType TellTime = 0;  ///< our MTime when SourceTimes were read
+  bool IsStopped = false;     ///< whether the last RequestInformation() was aborted
   bool CoarseAllowed = false;
   isosurface::RefinementStage Stage = {}; ///< of the index
   std::array<double, 10> Refinement = {};
