@@ -19,7 +19,6 @@ namespace
 std::string FindPrefix(const std::string& source)
 {
   std::string path = VolumeName::Parse(GetLocalFileSystem(), source).Path;
-  path.erase(path.find_last_not_of('/') + 1);
   const std::size_t slash = path.rfind('/') + 1; // 0 if there is none
   const std::size_t point = path.find('.', slash);
   const std::string extension =

@@ -248,8 +248,24 @@ Status CheckReadable(FileSystem& files, const std::string& path)
 {
   if (IsAddress(path))
   {
-    const auto file = files.OpenForReading(path);
-    return file.IsOk() || IsZarrFolder(files, path) ? Status::Ok() : file.GetStatus();
+    // By its name it is a folder or a file: so what else it may be is hardly ever asked for.
+    const std::string extension = FindExtension(path);
+    const bool isFolder = extension.empty() || extension == ".zarr" || extension == ".n5";
+    if (isFolder && IsZarrFolder(files, path))
+    {
+      return Status::Ok();
+    }
+    const Status status = files.OpenForReading(path).GetStatus();
+    if (status.IsOk() || (!isFolder && IsZarrFolder(files, path)))
+    {
+      return Status::Ok();
+    }
+    return status.GetCode() != StatusCode::NotFound || !isFolder
+      ? status
+      : Status(StatusCode::NotFound,
+          status.GetMessage() +
+            ", nor metadata of Zarr or N5 in it; nobody can list what a server has: name an array, "
+            "an image or a file");
   }
   const auto names = files.List(path);
   const std::string header = FindNiftiHeader(path);

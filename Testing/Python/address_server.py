@@ -10,6 +10,7 @@ import http.server
 import os
 import re
 import socket
+import socketserver
 import sys
 import threading
 import time
@@ -30,6 +31,7 @@ class Server(http.server.ThreadingHTTPServer):
         self.folder, self.latency, self.keys, self.token, self.lists = folder, latency, keys, token, lists
         self.faults, self.gives_ranges, self.tags = {}, True, True
         self.requests, self.sent, self.lock, self.connections = [], 0, threading.Lock(), []
+        self.proxied = 0  # requests for other hosts, as a proxy gets them; the folder answers these, too
         threading.Thread(target=self.serve_forever, args=(0.05,), daemon=True).start()
 
     @property
@@ -50,6 +52,44 @@ class Server(http.server.ThreadingHTTPServer):
             except OSError:
                 pass
         self.server_close()
+
+
+class Relay(socketserver.ThreadingTCPServer):
+    """Passes connections on to a server. Its first `bad` ones break, or go silent, amid an answer."""
+
+    daemon_threads = True
+    request_queue_size = 64
+
+    def __init__(self, port, bad, is_silent):
+        super().__init__(("127.0.0.1", 0), RelayHandler)
+        self.port, self.bad, self.is_silent, self.connections, self.spoilt = port, bad, is_silent, 0, 0
+        threading.Thread(target=self.serve_forever, args=(0.05,), daemon=True).start()
+
+    def close(self):
+        self.shutdown()
+        self.server_close()
+
+
+class RelayHandler(socketserver.BaseRequestHandler):
+    def handle(self):
+        self.server.connections += 1
+        left = 3000 if self.server.connections <= self.server.bad else 1 << 60
+        with socket.create_connection(("127.0.0.1", self.server.port)) as far:
+            threading.Thread(target=self.pass_on, args=(self.request, far), daemon=True).start()
+            while left > 0 and (data := far.recv(min(left, 65536))):
+                self.request.sendall(data)
+                left -= len(data)
+            if left == 0:
+                self.server.spoilt += 1
+                time.sleep(3 if self.server.is_silent else 0)
+
+    @staticmethod
+    def pass_on(near, far):
+        try:
+            while data := near.recv(65536):
+                far.sendall(data)
+        except OSError:
+            pass  # the other side has ended
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
@@ -75,11 +115,12 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def do_GET(self):
-        path = urllib.parse.unquote(self.path)
+        path = re.sub("^http://[^/]*", "", urllib.parse.unquote(self.path))
         asked = self.headers.get("Range")
         with self.server.lock:
             self.request_line = [path, asked, None]
             self.server.requests.append(self.request_line)
+            self.server.proxied += self.path.startswith("http://")
         time.sleep(self.server.latency)
         file = self.server.folder + path
         for pattern, fault in self.server.faults.items():

@@ -121,7 +121,7 @@ Status CheckAnswer(const std::string& path, const HttpAnswer& answer)
   {
     return Fail(path, StatusCode::NotFound, "the server has none of this name (" + code + ")");
   }
-  if (answer.Code == 401 || answer.Code == 403)
+  if (answer.Code == 401 || answer.Code == 403 || word == "ExpiredToken")
   {
     return Fail(path, StatusCode::IoError,
       "the server denies it (" + code + "): keys are missing, wrong or have expired" +

@@ -29,9 +29,12 @@ VolumeName VolumeName::Parse(FileSystem& files, const std::string& text)
   if (IsAddress(text))
   {
     const std::size_t host = text.find("://") + 3;
-    return colon < text.find('/', host) || colon < host || colon == std::string::npos
+    VolumeName name = colon < text.find('/', host) || colon < host || colon == std::string::npos
       ? VolumeName{ text, "" }
       : VolumeName{ text.substr(0, colon), text.substr(colon + 1) };
+    // A slash at the end would be a part of a key of S3.
+    name.Path.erase(name.Path.find_last_not_of('/') + 1);
+    return name;
   }
   if (colon == std::string::npos || IsThere(files, text))
   {
