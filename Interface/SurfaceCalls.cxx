@@ -113,6 +113,7 @@ Result<TakenRequest> TakeRequest(const si_surface_request& taken, Call& call)
     std::array<double, 6> bounds{};
     std::copy(taken.region, taken.region + bounds.size(), bounds.begin());
     request.Where = Region::FromBounds(bounds);
+    request.Bounds = bounds;
   }
   std::vector<HalfSpace> halfSpaces(taken.half_spaces ? taken.half_space_count : 0);
   for (std::size_t number = 0; number < halfSpaces.size(); ++number)
@@ -325,8 +326,9 @@ si_result si_volume_write_surface(si_volume* volume, const si_surface_request* r
         const auto range = ReadRange(*volume->File, taken.Samples, call.GetProgress());
         ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(range.GetStatus()));
         coded.Settings.SetQuantizationRange((*range)[0], (*range)[1]);
-        coded.Settings.QuantizationBits =
-          given->quantization_bits != 0 ? given->quantization_bits : coded.Settings.QuantizationBits;
+        coded.Settings.QuantizationBits = given->quantization_bits != 0
+          ? given->quantization_bits
+          : coded.Settings.QuantizationBits;
       }
       coded.PreviewLevel = given->preview_level;
       coded.ArrayError = given->array_error;

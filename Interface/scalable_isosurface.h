@@ -338,7 +338,8 @@ extern "C"
     si_scalar scalar;
     size_t isovalue_count;
     const double* isovalues;
-    const double* region;             /* x0 x1 y0 y1 z0 z1: only blocks that meet this box; NULL: all */
+    const double* region;             /* x0 x1 y0 y1 z0 z1: only blocks that meet this box, of an address without an
+                                       * index only cells; NULL: all */
     size_t attribute_count;           /* other arrays, interpolated at the points */
     const size_t* attributes;         /* their numbers */
     int32_t normals;                  /* not 0: from the gradients of the samples */

@@ -2,18 +2,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An OME-Zarr behind a server far away: to a picture, to a part of the exact surface, to all of it.
 
-    address.py [FOLDER] [--side N] [--latency MS] [--rate MBIT] [--isovalue V] [--jobs NAME ...]
+    address.py [FOLDER] [--side N] [--latency MS] [--rate MBIT] [--isovalue V] [--jobs NAME ...] [--timeline]
 
 Writes an OME-Zarr of N^3 int16 (2048: 17 GB; chunks of 64, blosc lz4, levels down to 128 or less) into the folder,
 unless it is there. nginx (package nginx-light) serves it, behind a proxy of this script that delays each request and
 limits the rate of all connections together. Then, each in a process of its own with an empty cache:
 
     picture   a sample of all of it, contoured
+    finer     the same, and the finer sample that follows (ours)
     part      the exact surface in a box of 1 % of the volume
     all       the exact surface
 
 of ours (Volume Reader and Isosurface; scalable_isosurface), and of zarr with fsspec and aiohttp (python3-zarr, -fsspec,
--aiohttp) with vtkFlyingEdges3D, which reads the coarsest level, the box, all. Counts bytes and requests at the proxy.
+-aiohttp) with vtkFlyingEdges3D, which reads the coarsest level, the box, all. Counts bytes and requests at the proxy; --timeline tells when each request
+came there.
 """
 import argparse
 import asyncio
@@ -56,9 +58,9 @@ def write(path, side):
 class Proxy:
     """Passes connections on: what clients send later, what the server sends no faster than the rate."""
 
-    def __init__(self, port, server, latency, rate, counts):
-        self.port, self.server, self.latency, self.rate, self.counts = port, server, latency, rate, counts
-        self.free = 0.0
+    def __init__(self, port, server, latency, rate, counts, tells):
+        self.port, self.server, self.latency, self.rate, self.counts, self.tells = port, server, latency, rate, counts, tells
+        self.free = self.last = 0.0
 
     async def delay(self, reader, writer):
         waiting = asyncio.Queue()
@@ -74,9 +76,19 @@ class Proxy:
         sender = asyncio.ensure_future(send())
         while data := await reader.read(PIPE):
             self.counts[0] += data.count(b"GET /")
+            if self.tells:
+                self.tell(data)
             waiting.put_nowait((time.monotonic() + self.latency, data))
         waiting.put_nowait((time.monotonic(), b""))
         await sender
+
+    def tell(self, data):
+        now = time.monotonic()
+        if now - self.last > 2:
+            self.begin = now
+        self.last = now
+        for line in (line for line in data.split(b"\r\n") if line.startswith((b"GET /", b"Range"))):
+            print(f"{now - self.begin:7.3f} {self.counts[1] / 1e6:7.2f} MB {line.decode()[:100]}", file=sys.stderr, flush=True)
 
     async def limit(self, reader, writer):
         while data := await reader.read(PIPE):
@@ -131,15 +143,19 @@ def find_box(side):
 def run_ours(job, address, side, isovalue):
     import scalable_isosurface as si
 
-    if job == "picture":
+    if job in ("picture", "finer"):
         reader = si.vtkInPlaceVolumeReader()
         reader.SetSourceName(address)
         reader.AllowCoarse(True)
         contour = si.vtkStabbingContour()
         contour.SetInputConnection(reader.GetOutputPort())
         contour.SetValue(0, isovalue)
-        contour.AllowCoarse(True)
         contour.Update()
+        if job == "finer":
+            while reader.GetRefinement()[0] == 1:
+                reader.AdvanceIndex(20)
+            reader.TakeIndex()
+            contour.Update()
         return contour.GetOutput().GetNumberOfPolys()
     if job == "part":
         region = [float(end - number) for low, high in find_box(side) for number, end in enumerate((low, high))]
@@ -186,7 +202,8 @@ def main():
     parser.add_argument("--latency", type=float, default=60)
     parser.add_argument("--rate", type=float, default=200)
     parser.add_argument("--isovalue", type=float, default=1000)
-    parser.add_argument("--jobs", nargs="+", default=["picture", "part", "all"])
+    parser.add_argument("--jobs", nargs="+", default=["picture", "finer", "part", "all"])
+    parser.add_argument("--timeline", action="store_true")
     parser.add_argument("--who", nargs="+", default=["ours", "zarr"])
     parser.add_argument("--job", nargs=2, help=argparse.SUPPRESS)
     parser.add_argument("--address", help=argparse.SUPPRESS)
@@ -202,13 +219,13 @@ def main():
     near, far = find_port(), find_port()
     with tempfile.TemporaryDirectory() as work:
         nginx = start_nginx(os.path.abspath(given.folder), work, near)
-        proxy = Proxy(far, near, given.latency / 1e3, given.rate * 1e6 / 8, counts)
+        proxy = Proxy(far, near, given.latency / 1e3, given.rate * 1e6 / 8, counts, given.timeline)
         multiprocessing.Process(target=proxy.run, daemon=True).start()
         time.sleep(1)
         print(f"{'':14} {'seconds':>9} {'MB':>8} {'requests':>9} {'peak MB':>8} {'triangles':>11}")
         try:
             for job in given.jobs:
-                for who in given.who:
+                for who in given.who if job != "finer" else ["ours"]:
                     counts[:] = [0, 0]
                     environment = {**os.environ, "SCALABLE_ISOSURFACE_CACHE": os.path.join(work, f"cache-{who}-{job}")}
                     command = [sys.executable, __file__, "--side", str(given.side), "--isovalue", str(given.isovalue),

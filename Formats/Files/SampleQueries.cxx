@@ -16,26 +16,7 @@ namespace
 
 using Point = std::array<double, 3>;
 
-/// The vertices around a box of the world, or the first one.
-VertexBox FindVerticesAround(const LevelDescription& level, const Point& low, const Point& high)
-{
-  const VertexPlaces places(level.Grid, level.Lines ? &*level.Lines : nullptr);
-  VertexBox box = places.FindVerticesAround(low, high);
-  box = box.IsEmpty() ? VertexBox{ {}, { 1, 1, 1 } } : box;
-  // A plane on one layer of vertices could lie beside it by rounding: it has two, of one chunk.
-  for (std::size_t axis = 0; axis < 3; ++axis)
-  {
-    if (box.High[axis] - box.Low[axis] == 1)
-    {
-      const std::int64_t size = level.Grid.GetDimensions()[axis];
-      box.Low[axis] = std::max<std::int64_t>(0, std::min(box.Low[axis] & ~std::int64_t{ 1 }, size - 2));
-      box.High[axis] = std::min(box.Low[axis] + 2, size);
-    }
-  }
-  return box;
-}
-
-/// The same around points.
+/// The vertices around points.
 VertexBox FindVerticesOf(const LevelDescription& level, const double* points, std::size_t count)
 {
   constexpr double most = std::numeric_limits<double>::max();
@@ -50,7 +31,7 @@ VertexBox FindVerticesOf(const LevelDescription& level, const double* points, st
     }
   }
   const bool isAny = low[0] <= high[0] && low[1] <= high[1] && low[2] <= high[2];
-  return isAny ? FindVerticesAround(level, low, high) : VertexBox{ {}, { 1, 1, 1 } };
+  return isAny ? level.FindVerticesAround(low, high) : VertexBox{ {}, { 1, 1, 1 } };
 }
 
 /// The vertices around a plane that is along axes of the grid; all, if it is not.
@@ -64,7 +45,7 @@ VertexBox FindVerticesOf(const LevelDescription& level, const Plane& plane, doub
   const GridGeometry& image = lattice->GetImage();
   const VertexPlaces places(image);
   const Index3 size = image.GetDimensions();
-  return FindVerticesAround(level, places.FindPoint({ 0, 0, 0 }),
+  return level.FindVerticesAround(places.FindPoint({ 0, 0, 0 }),
     places.FindPoint({ static_cast<double>(size[0] - 1), static_cast<double>(size[1] - 1),
       static_cast<double>(size[2] - 1) }));
 }

@@ -75,19 +75,39 @@ VertexBox FindBlocksIn(const LevelDescription& level, const Region& where, bool 
   return box;
 }
 
+/// Of a file that gives parts, one is searched that has the blocks of the whole file that meet the region; or, if it
+/// `isExact`, the cells of the box that is wanted, and only these.
 Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& samples,
-  const SurfaceRequest& request, const Progress& progress)
+  const SurfaceRequest& request, const Progress& progress, bool isExact = false)
 {
   SearchedBlocks searched;
   // Of the others, what is found depends on where the volume ends.
   const bool isPart = request.ClosedSides.IsEmpty() && !request.GlobalIds && !request.Islands;
   std::size_t& step = searched.Query.TimeStep;
-  ISOSURFACE_ASSIGN_OR_RETURN(searched.Volume,
-    isPart && !request.Where.IsEverything()
-      ? file.GetBlocksOf(samples.TimeStep,
-          FindBlocksIn(file.Describe(0), request.Where, request.Normals), progress, step,
-          searched.First)
-      : file.GetBlocks(samples.TimeStep, progress, step));
+  if (isPart && !request.Where.IsEverything() && file.GivesParts())
+  {
+    const LevelDescription whole = file.Describe(0);
+    std::optional<VertexBox>& cells = searched.Query.Selection.Part;
+    VertexBox part;
+    if (isExact && request.Bounds && !request.Budget.IsLimited())
+    {
+      const std::array<double, 6>& box = *request.Bounds;
+      cells = whole.FindVerticesAround({ box[0], box[2], box[4] }, { box[1], box[3], box[5] });
+      part = request.Normals ? cells->AddLayer(whole.Grid.GetDimensions()) : *cells;
+    }
+    else
+    {
+      part = FindBlocksIn(whole, request.Where, request.Normals);
+    }
+    ISOSURFACE_ASSIGN_OR_RETURN(
+      searched.Volume, file.GetBlocksOf(samples.TimeStep, part, progress, step, searched.First));
+    const Index3& first = searched.First;
+    cells = cells ? std::optional(cells->Translate({ -first[0], -first[1], -first[2] })) : cells;
+  }
+  else
+  {
+    ISOSURFACE_ASSIGN_OR_RETURN(searched.Volume, file.GetBlocks(samples.TimeStep, progress, step));
+  }
   const auto variable = searched.Volume->GetVariables().Find(samples.Array, samples.Component);
   if (!variable)
   {
@@ -111,10 +131,11 @@ SerialCommunicator& GetAlone()
 
 /// MakeQuery on each rank; all agree on the error.
 Result<SearchedBlocks> MakeCommonQuery(Communicator& ranks, VolumeFile& file,
-  const ContouredSamples& samples, const SurfaceRequest& request, const Progress& progress)
+  const ContouredSamples& samples, const SurfaceRequest& request, const Progress& progress,
+  bool isExact = false)
 {
   auto searched =
-    Attempt(file.GetPath(), [&] { return MakeQuery(file, samples, request, progress); });
+    Attempt(file.GetPath(), [&] { return MakeQuery(file, samples, request, progress, isExact); });
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(searched.GetStatus()));
   return searched;
 }
@@ -168,7 +189,7 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
 {
   Communicator& ranks = request.Ranks ? *request.Ranks : GetAlone();
   ISOSURFACE_ASSIGN_OR_RETURN(
-    auto searched, MakeCommonQuery(ranks, file, samples, request, progress));
+    auto searched, MakeCommonQuery(ranks, file, samples, request, progress, true));
   ExtractionTask task;
   task.Volume = searched.Volume;
   task.Query = searched.Query;

@@ -37,6 +37,8 @@ struct SurfaceRequest
 {
   std::vector<double> Isovalues;
   Region Where; ///< only blocks that meet it
+  /// The box that Where is, x0 x1 y0 y1 z0 z1, if it is one: of a volume at an address, a surface has its cells alone.
+  std::optional<std::array<double, 6>> Bounds;
   bool Normals = false;
   PointPrecision Precision = PointPrecision::Default;
   GridSides ClosedSides;

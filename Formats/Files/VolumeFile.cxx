@@ -12,7 +12,9 @@
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ground/Base/MemoryFileSystem.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ground/Volume/SampleCopy.h"
+#include "Ground/Volume/VertexPlaces.h"
 #include "Ground/Volume/VolumeName.h"
 #include "Ground/Volume/VolumeOpener.h"
 #include "Storage/Store/BlockedVolume.h"
@@ -58,7 +60,8 @@ public:
   /// third of the free memory.
   Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) override;
-  /// Reads the box alone of a volume at an address. The last one stays.
+  bool GivesParts() const override { return IsAddress(this->Path); }
+  /// Reads the box alone of a volume at an address, all of its chunks at once. The last one stays.
   Result<std::shared_ptr<BlockedVolume>> GetBlocksOf(std::size_t timeStep, const VertexBox& box,
     const Progress& progress, std::size_t& stepThere, Index3& first) override;
 
@@ -69,6 +72,9 @@ private:
   /// Corrupt if the files of a time step that was opened were changed since. Of thousands of files
   /// this is not checked.
   Status CheckUnchanged(std::size_t timeStep);
+  /// OpenSource() of a part alone, which is read at once; all, if it is empty.
+  Result<std::unique_ptr<BoxSource>> OpenChunks(
+    std::size_t timeStep, int threads, std::uint64_t memoryBytes, const VertexBox& part);
   /// That of a time step. ReadMutex is held.
   Result<BoxSource*> FindSource(std::size_t timeStep);
   Result<std::shared_ptr<BlockedVolume>> MakeBlocks(
@@ -104,6 +110,8 @@ private:
 constexpr std::uint64_t ReadBytes = std::uint64_t{ 64 } << 20;
 /// Files in memory grow by doubling, and are joined by what is read of them.
 constexpr std::uint64_t SharesOfFreeMemory = 3;
+/// The share of a writer's memory that decoded chunks may take.
+constexpr std::uint64_t CacheShare = 4;
 
 /// The blocks of a source, and the files in memory that have them.
 struct BlocksInMemory
@@ -305,6 +313,12 @@ Status SourceVolume::Read(const SampleRequest& request, void* samples, const Pro
 Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(
   std::size_t timeStep, int threads, std::uint64_t memoryBytes)
 {
+  return this->OpenChunks(timeStep, threads, memoryBytes / CacheShare, {});
+}
+
+Result<std::unique_ptr<BoxSource>> SourceVolume::OpenChunks(
+  std::size_t timeStep, int threads, std::uint64_t memoryBytes, const VertexBox& part)
+{
   ISOSURFACE_ASSIGN_OR_RETURN(auto opened, this->OpenStep(timeStep));
   SourceRecord wanted;
   wanted.Axes = this->Axes;
@@ -313,7 +327,7 @@ Result<std::unique_ptr<BoxSource>> SourceVolume::OpenSource(
     [](const ArrayDescription& array) { return array.Name; });
   ISOSURFACE_RETURN_IF_ERROR(ChunkedSource::Replace(opened.Source, GetLocalFileSystem(),
     OpenForeignVolume, this->Path, this->Path, wanted, opened.Grid, opened.Arrays,
-    { memoryBytes / 4, SerialCommunicator().ChooseThreads(threads), {} }));
+    { memoryBytes, SerialCommunicator().ChooseThreads(threads), {}, part }));
   return std::move(opened.Source);
 }
 
@@ -344,14 +358,13 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::GetBlocksOf(std::size_t tim
 {
   const VertexBox all{ {}, this->Grid.GetDimensions() };
   // All ranks come to the same: what one of them has in memory, or has room for, does not count.
-  if (box == all || !IsAddress(this->Path))
+  if (box == all || !this->GivesParts())
   {
     return this->GetBlocks(timeStep, progress, stepThere);
   }
   const std::lock_guard<std::mutex> lock(this->BlocksMutex);
   ISOSURFACE_RETURN_IF_ERROR(this->CheckUnchanged(timeStep));
-  const bool isThere =
-    this->Part.Volume && this->Part.Step == timeStep && this->Part.Box == box;
+  const bool isThere = this->Part.Volume && this->Part.Step == timeStep && this->Part.Box == box;
   if (!isThere)
   {
     this->Part = {};
@@ -384,16 +397,30 @@ Result<std::shared_ptr<BlockedVolume>> SourceVolume::MakeBlocks(
   settings.Distribution = DistributionMethod::Slab;
   settings.Time = this->Times[timeStep];
   settings.Threads = this->Threads;
-  ISOSURFACE_ASSIGN_OR_RETURN(
-    auto source, this->OpenSource(timeStep, this->Threads, settings.MemoryLimit));
-  settings.Files = this->GetSourceFiles(timeStep);
   GridGeometry grid = this->Grid;
+  const bool isPart = !(box == VertexBox{ {}, grid.GetDimensions() });
+  ISOSURFACE_ASSIGN_OR_RETURN(auto source,
+    isPart ? this->OpenChunks(timeStep, this->Threads, available / SharesOfFreeMemory, box)
+           : this->OpenSource(timeStep, this->Threads, settings.MemoryLimit));
+  settings.Files = this->GetSourceFiles(timeStep);
   settings.Lines = this->Lines;
   CutGrid(grid, settings.Lines, box);
   source = CutSource(std::move(source), box);
-  ISOSURFACE_RETURN_IF_ERROR(BlockedVolumeWriter(alone, memory->Files)
-                               .Write(path, grid, this->Arrays, *source, settings, progress)
-                               .GetStatus());
+  BlockedVolumeWriter writer(alone, memory->Files);
+  if (isPart)
+  {
+    const ReadingStop stop(progress);
+    ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, source->Read(source->GetBox()));
+    ISOSURFACE_RETURN_IF_ERROR(
+      writer
+        .Write(path, grid, this->Arrays, { source->GetBox(), samples.Arrays }, settings, progress)
+        .GetStatus());
+  }
+  else
+  {
+    ISOSURFACE_RETURN_IF_ERROR(
+      writer.Write(path, grid, this->Arrays, *source, settings, progress).GetStatus());
+  }
   ISOSURFACE_ASSIGN_OR_RETURN(memory->Volume, BlockedVolume::Open(path, memory->Files));
   return std::shared_ptr<BlockedVolume>(memory, memory->Volume.get());
 }
@@ -407,6 +434,26 @@ Result<std::shared_ptr<VolumeFile>> AsFile(Result<std::shared_ptr<Volume>> opene
 }
 
 } // namespace
+
+VertexBox LevelDescription::FindVerticesAround(
+  const std::array<double, 3>& low, const std::array<double, 3>& high) const
+{
+  const VertexPlaces places(this->Grid, this->Lines ? &*this->Lines : nullptr);
+  const Index3 size = this->Grid.GetDimensions();
+  VertexBox box = places.FindVerticesAround(low, high);
+  box = box.IsEmpty() ? VertexBox{ {}, { 1, 1, 1 } } : box;
+  // A plane on one layer of vertices could lie beside it by rounding: it has two, of one chunk.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    if (box.High[axis] - box.Low[axis] == 1)
+    {
+      box.Low[axis] =
+        std::max<std::int64_t>(0, std::min(box.Low[axis] & ~std::int64_t{ 1 }, size[axis] - 2));
+      box.High[axis] = std::min(box.Low[axis] + 2, size[axis]);
+    }
+  }
+  return box;
+}
 
 Result<FileKind> FindFileKind(const std::string& name)
 {
@@ -425,6 +472,12 @@ Result<FileKind> FindFileKind(const std::string& name)
   {
     return FileKind::BlockedVolume;
   }
+  const VolumeFormat* const format =
+    IsAddress(parsed.Path) ? FindVolumeFormat(GetLocalFileSystem(), parsed) : nullptr;
+  if (format && format->IsFolder) // what a server says of a folder need not be asked for
+  {
+    return FileKind::Source;
+  }
   return SurfaceFile::CanRead(name) ? FileKind::Surface : FileKind::Source;
 }
 
@@ -439,7 +492,8 @@ Result<std::shared_ptr<VolumeFile>> VolumeFile::Open(
   if (kind == FileKind::BlockedVolume && choice.Bounds)
   {
     return Status(StatusCode::InvalidArgument,
-      name + ": is a blocked volume, which is opened whole; choose the region of what is read from it");
+      name +
+        ": is a blocked volume, which is opened whole; choose the region of what is read from it");
   }
   if (kind == FileKind::BlockedVolume)
   {

@@ -54,6 +54,11 @@ struct LevelDescription
   GridGeometry Grid;
   std::optional<GridLines> Lines; ///< of a rectilinear grid
   Index3 Chunk{ 1, 1, 1 };        ///< the vertices that are best read together, not beyond the grid
+
+  /// The vertices around a box of the world, two or more on each axis that has them; the first ones, if the box is
+  /// beside the grid.
+  VertexBox FindVerticesAround(
+    const std::array<double, 3>& low, const std::array<double, 3>& high) const;
 };
 
 /// Samples of an array at every Step-th vertex of a box, which is not empty, from its low corner.
@@ -113,8 +118,10 @@ public:
   /// The time step in blocks, to be searched for isosurfaces. `stepThere` becomes its number there.
   virtual Result<std::shared_ptr<BlockedVolume>> GetBlocks(
     std::size_t timeStep, const Progress& progress, std::size_t& stepThere) = 0;
-  /// The same, perhaps of a part of the volume that has a box of vertices, and blocks that begin at multiples of
-  /// their size from the box's corner. `first` becomes the volume's vertex that is the first one there.
+  /// Whether GetBlocksOf() reads less than the whole volume.
+  virtual bool GivesParts() const { return false; }
+  /// The same, perhaps of that part of the volume alone which is a box of vertices, and has blocks that begin at
+  /// multiples of their size from the box's corner. `first` becomes the volume's vertex that is the first one there.
   virtual Result<std::shared_ptr<BlockedVolume>> GetBlocksOf(std::size_t timeStep,
     const VertexBox& /*box*/, const Progress& progress, std::size_t& stepThere, Index3& /*first*/)
   {

@@ -401,7 +401,7 @@ class Volume:
             Of detail. That of this volume if it is not given.
         region : sequence of six float, optional
             x0, x1, y0, y1, z0, z1 in the world: only blocks that meet this box give their triangles, which
-            may lie beside it.
+            may lie beside it. Of an address without an index: only cells that meet it.
         normals : bool
             Whether to compute normals, from the gradients of the samples.
         component : int, optional

@@ -3,6 +3,7 @@
 
 import glob
 import json
+import math
 import os
 import pickle
 import shutil
@@ -17,7 +18,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 
 import scalable_isosurface as si
 from scalable_isosurface import _library
-from address_server import KEY, SECRET, Server
+from address_server import KEY, Relay, SECRET, Server
 from volume_fixtures import make_samples, make_waves, VolumeTest, write_nrrd
 
 try:
@@ -54,7 +55,7 @@ class AddressTest(VolumeTest):
         super().setUp()
         os.mkdir(self.path("www"))
         os.environ.update(SCALABLE_ISOSURFACE_CACHE=self.path("cache"), SCALABLE_ISOSURFACE_STALL="1")
-        for name in [name for name in os.environ if name.startswith("AWS_")]:
+        for name in [name for name in os.environ if name.startswith("AWS_") or name.lower().endswith("_proxy")]:
             del os.environ[name]
         os.environ.update(AWS_CONFIG_FILE="/dev/null", AWS_SHARED_CREDENTIALS_FILE="/dev/null")
         os.environ.pop("SCALABLE_ISOSURFACE_CACHE_BYTES", None)
@@ -198,25 +199,43 @@ class Regions(AddressTest):
         sizes = [os.path.getsize(path) for path in glob.glob(self.www("a.zarr/*.*.*"))]
         self.assertLess(self.server.sent, 1.1 * crossed * max(sizes) + 20000)
 
+    @staticmethod
+    def list_triangles(surface, bounds=None):
+        """The corners of the triangles that lie in a box, and what normals they have, in an order of their own."""
+        corners = surface.points[surface.triangles]
+        inside = numpy.ones(len(corners), bool)
+        for axis in range(3) if bounds else ():
+            inside &= ((corners[..., axis] >= bounds[2 * axis]) & (corners[..., axis] <= bounds[2 * axis + 1])).all(1)
+        return sorted(row.tobytes() for row in numpy.concatenate([corners, surface.normals[surface.triangles]], 2)[inside])
+
     def check_same(self, surface, expected):
         for name in ("points", "triangles", "normals"):
             self.assertEqual(getattr(surface, name).tobytes(), getattr(expected, name).tobytes(), name)
         self.assertGreater(len(surface.triangles), 100)
 
-    def test_the_surface_of_a_region_is_exact_and_fetches_its_blocks_alone(self):
-        volume = si.open(self.address)
+    def test_the_surface_of_a_region_is_that_of_its_cells_and_fetches_their_chunks_alone(self):
+        whole = self.whole.isosurface(0.3)
+        # A box around vertices, one that ends on chunks, and one of a single layer beside the others.
+        for bounds, normals in ((self.BOUNDS, (19, 47, 17, 42, 16, 35)), ((64, 95, 96, 111, 32, 63), (63, 97, 95, 113, 31, 65)),
+                                ((70.5, 90.25, 100, 120, 65, 65.5), (69, 93, 99, 122, 64, 68))):
+            with self.subTest(bounds):
+                cells = [(math.floor(low), math.ceil(high) + 1) for low, high in zip(bounds[::2], bounds[1::2])]
+                volume = si.open(self.address)
+                self.server.forget()
+                surface = volume.isosurface(0.3, region=bounds, normals=False)
+                self.check_fetched(cells)
+                expected = [(low, high - 1) for low, high in cells]
+                expected = self.list_triangles(whole, sum(expected, ()))
+                self.assertEqual(len(surface.triangles), len(expected))
+                self.assertGreater(len(expected), 100)
+                self.server.forget()
+                surface = si.open(self.address).isosurface(0.3, region=bounds)
+                self.check_fetched(list(zip(normals[::2], normals[1::2])))  # with a layer of samples for normals
+                self.assertEqual(self.list_triangles(surface), expected)
         self.server.forget()
-        surface = volume.isosurface(0.3, region=self.BOUNDS, normals=False)
-        self.check_fetched([(0, 65), (0, 65), (0, 65)])
-        self.assertEqual(surface.points.tobytes(), self.whole.isosurface(0.3, region=self.BOUNDS).points.tobytes())
-        self.server.forget()
-        volume.isosurface(0.2, region=self.BOUNDS, normals=False)
-        self.assertFalse([1 for _, asked, _ in self.server.requests if asked == "bytes=0-2097151"])
+        volume.isosurface(0.2, region=bounds, normals=False)
+        self.assertFalse([1 for path, _, _ in self.server.requests if path[-1].isdigit()])
         bounds = (70, 90, 100, 120, 65, 90)
-        volume = si.open(self.address)
-        self.server.forget()
-        self.check_same(volume.isosurface(0.3, region=bounds), self.whole.isosurface(0.3, region=bounds))
-        self.check_fetched([(32, 98), (64, 130), (32, 98)])  # with a block for normals
         boxes = volume.active_blocks(0.3, region=bounds)
         self.assertEqual(sorted(map(str, boxes)), sorted(map(str, self.whole.active_blocks(0.3, region=bounds))))
 
@@ -283,7 +302,40 @@ class Regions(AddressTest):
         expected = si.open(self.www("a.zarr") + ":[48-79,32-63,16-63]").isosurface(0.3)
         self.check_same(volume.isosurface(0.3), expected)
         self.check_same(si.open(self.address, region=bounds).isosurface(0.3), expected)
+        shutil.rmtree(self.path("cache"))
+        self.server.forget()
+        done = [BLOCKVOLUME, "--quiet", "--in-place", "--region", ",".join(map(str, bounds)), self.address]
+        subprocess.run([*done, self.path("region.bvol")], check=True)
+        self.check_fetched([(48, 80), (32, 64), (16, 64)])
+        self.check_same(si.open(self.path("region.bvol")).isosurface(0.3), expected)
         self.assertEqual(si.open(self.address).shape, self.samples.shape)
+
+    def test_slices_and_boxes_of_an_index_fetch_the_chunks_that_they_cross(self):
+        si.index(self.address)
+        code = """
+import sys
+import scalable_isosurface as si
+
+reader = si.vtkInPlaceVolumeReader()
+reader.SetSourceName(sys.argv[1])
+part = getattr(si, sys.argv[2])()
+part.SetInputConnection(reader.GetOutputPort())
+for name, *values in eval(sys.argv[3]):
+    getattr(part, name)(*values)
+part.Update()
+"""
+        for name, how, boxes in (
+            ("vtkVolumeSlice", [("SetOrigin", 75, 70, 40), ("SetNormal", 0, 0, 1)], [(0, 150), (0, 140), (40, 41)]),
+            ("vtkVolumeSlice", [("SetOrigin", 47.5, 70, 40), ("SetNormal", 1, 0, 0)], [(47, 49), (0, 140), (0, 130)]),
+        ):
+            with self.subTest(name, how=how):
+                self.server.forget()
+                subprocess.run([sys.executable, "-c", code, self.address, name, repr(how)], check=True)
+                self.check_fetched(boxes)
+        volume = si.open(self.address)
+        self.server.forget()
+        numpy.testing.assert_array_equal(volume[20:30, 60:70, 33], self.samples[20:30, 60:70, 33])
+        self.check_fetched([(33, 34), (60, 70), (20, 30)])
 
     def test_a_budget_ends_the_index_and_a_larger_one_goes_on(self):
         os.environ.pop("SCALABLE_ISOSURFACE_CACHE_BYTES")
@@ -317,11 +369,11 @@ import scalable_isosurface as si
 def grow(budget):
     reader.SetFetchBudget(budget)
     reader.Update()
-    while reader.GetRefinement()[0] == 1:
+    while reader.GetRefinement()[0] in (1, 2):  # a larger sample, or the index
         reader.AdvanceIndex(50)
-    if reader.GetRefinement()[0] == 2:
-        reader.TakeIndex()
-        reader.Update()
+        if reader.GetRefinement()[0] == 2:
+            reader.TakeIndex()
+            reader.Update()
     print(reader.GetIndexText(), flush=True)
 
 reader = si.vtkInPlaceVolumeReader()
@@ -506,6 +558,35 @@ class Recovery(FaultyServer):
         self.server.gives_ranges = self.server.tags = False
         numpy.testing.assert_array_equal(si.open(f"{self.server.url}/a.zarr")[...], self.samples)
 
+    def test_connections_that_break_or_go_silent_amid_an_answer_lose_nothing(self):
+        for is_silent in (False, True):
+            with self.subTest(is_silent=is_silent):
+                shutil.rmtree(self.path("cache"), ignore_errors=True)
+                relay = Relay(self.server.server_port, 5, is_silent)
+                self.addCleanup(relay.close)
+                volume = si.open(f"http://127.0.0.1:{relay.server_address[1]}/a.zarr")
+                numpy.testing.assert_array_equal(volume[...], self.samples)
+                self.assertGreater(relay.spoilt, 0)
+
+    def test_a_proxy_is_asked_unless_no_proxy_has_the_host(self):
+        os.environ["http_proxy"] = self.server.url
+        self.addCleanup(os.environ.pop, "http_proxy")
+        self.addCleanup(os.environ.pop, "no_proxy", None)
+        volume = si.open("http://behind-a-proxy.invalid/a.zarr")
+        numpy.testing.assert_array_equal(volume[...], self.samples)
+        self.assertEqual(self.server.proxied, len(self.server.requests))
+        server = self.serve()
+        os.environ["no_proxy"] = "127.0.0.1"
+        numpy.testing.assert_array_equal(si.open(f"{server.url}/a.zarr")[...], self.samples)
+        self.assertEqual(server.proxied, 0)
+        del os.environ["no_proxy"]
+        gone = self.serve()
+        gone.close()
+        os.environ["http_proxy"] = gone.url
+        with self.assertRaisesRegex(OSError, rf"no-such-proxy.invalid/a.zarr.*: cannot be read: .*{gone.server_port}") as told:
+            si.open("http://no-such-proxy.invalid/a.zarr")
+        self.assertNotIn("\n", str(told.exception))
+
     def test_redirections_are_followed(self):
         other = self.serve()
         to = lambda handler, file: handler.answer(302, Location=other.url + handler.path) or True  # noqa: E731
@@ -539,6 +620,31 @@ class Buckets(AddressTest):
         os.environ.update(AWS_PROFILE="mine", AWS_SHARED_CREDENTIALS_FILE=self.path("credentials"),
                           AWS_CONFIG_FILE=self.path("config"))
         self.check()
+
+    def test_keys_that_expire_are_told_and_new_ones_go_on(self):
+        os.environ.update(AWS_ACCESS_KEY_ID=KEY, AWS_SECRET_ACCESS_KEY=SECRET, AWS_SESSION_TOKEN="old")
+        self.server.token = "old"
+        volume = si.open(f"s3://{self.bucket}/a b.zarr")
+        numpy.testing.assert_array_equal(volume[:32], self.samples[:32])
+
+        def expire(handler, file):
+            is_old = handler.headers.get("x-amz-security-token") == "old"
+            return is_old and (handler.answer(400, b"<Error><Code>ExpiredToken</Code></Error>") or True)
+
+        self.server.faults["a b.zarr"], self.server.token = expire, "new"
+        with self.assertRaisesRegex(OSError, rf"^s3://{self.bucket}/.*\(400, ExpiredToken\): .*expired") as told:
+            volume[32:]
+        self.assertNotIn("\n", str(told.exception))
+        numpy.testing.assert_array_equal(volume[:32], self.samples[:32])
+        os.environ["AWS_SESSION_TOKEN"] = "new"
+        numpy.testing.assert_array_equal(volume[...], self.samples)
+
+    def test_a_folder_without_an_array_says_what_is_wanted(self):
+        self.server.keys = None
+        for name in (self.bucket, f"{self.bucket}/", f"{self.bucket}/nothing/"):
+            with self.assertRaisesRegex(FileNotFoundError, "nobody can list .*: name an array, an image or a file"):
+                si.open(f"s3://{name}")
+        numpy.testing.assert_array_equal(si.open(f"s3://{self.bucket}/a b.zarr/")[...], self.samples)
 
     def test_wrong_and_missing_keys_are_told_and_never_printed(self):
         for key, secret, code in (("", "", "AccessDenied"), (KEY, "wrong-secret", "SignatureDoesNotMatch")):

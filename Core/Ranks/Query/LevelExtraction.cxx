@@ -35,6 +35,7 @@ Status ExtractPlanned(
     PlanQuery(volume, query, level, reading, counters ? PlannedShares::All : PlannedShares::Own));
   StoredBlockSource source(volume, query.TimeStep, query.Variable, level, std::move(plan.Blocks));
   source.SetAttributes(query.Attributes);
+  source.SetPart(query.Selection.Part);
   source.SetOwnBlocks(plan.GetOwnBegin(), plan.GetOwnEnd());
   ContourRequest request = task.Request;
   request.Lines = volume.GetLines(level);

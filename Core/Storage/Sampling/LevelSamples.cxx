@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Sampling/LevelSamples.h"
 
+#include "Ground/Base/Buffer.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ground/Volume/SampleCopy.h"
 
 #include <algorithm>
@@ -10,6 +12,9 @@ namespace isosurface
 {
 namespace
 {
+
+// What is read of a source at once.
+constexpr std::int64_t SourceSlabVertices = std::int64_t{ 1 } << 24;
 
 // Every step-th vertex of a box, numbered from its low corner on: number n is at Low + n * Step.
 struct Lattice
@@ -148,6 +153,10 @@ Status LevelSamples::Read(std::size_t variable, const VertexBox& box, const Inde
   int threads, void* samples, std::ptrdiff_t stride, QueryStatistics& statistics,
   const Progress& progress) const
 {
+  if (this->Level == 0 && !box.IsEmpty() && this->Volume->IsAtAddress(this->TimeStep, variable))
+  {
+    return this->ReadSource(variable, box, step, samples, stride, statistics, progress);
+  }
   const BlockGrid& grid = *this->Stored.Grid;
   const Lattice lattice{ box, step };
   const VertexBox whole = lattice.FindNumbers(box);
@@ -170,6 +179,37 @@ Status LevelSamples::Read(std::size_t variable, const VertexBox& box, const Inde
   };
   return VisitBlocks(*this->Volume, this->TimeStep, variable, this->Level, blocks, threads, copy,
     statistics, progress);
+}
+
+Status LevelSamples::ReadSource(std::size_t variable, const VertexBox& box, const Index3& step,
+  void* samples, std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress) const
+{
+  const Lattice lattice{ box, step };
+  const VertexBox whole = lattice.FindNumbers(box);
+  const ValueType type = this->Volume->GetVariables()[variable].Type;
+  // Where slices are left out, each is read alone.
+  const Index3 size = box.GetSize();
+  const std::int64_t slices = step[2] > 1
+    ? 1
+    : std::max<std::int64_t>(1, SourceSlabVertices / std::max<std::int64_t>(1, size[0] * size[1]));
+  Buffer<std::uint8_t> bytes(
+    static_cast<std::size_t>(size[0] * size[1] * std::min(slices, size[2])) * GetValueSize(type));
+  const ReadingStop stop(progress);
+  VertexBox slab = box;
+  for (; slab.Low[2] < box.High[2]; slab.Low[2] += std::max(slices, step[2]))
+  {
+    slab.High[2] = std::min(box.High[2], slab.Low[2] + slices);
+    ISOSURFACE_RETURN_IF_ERROR(
+      this->Volume->ReadSource(this->TimeStep, variable, slab, bytes.GetData(), statistics));
+    const SampleView part = ThinOut(MakeSampleView(type, slab, bytes.GetData()), slab, lattice);
+    CopyBox(part, part.Box, whole, samples, stride);
+    if (progress &&
+      !progress(static_cast<double>(slab.High[2] - box.Low[2]) / static_cast<double>(size[2])))
+    {
+      return Status(StatusCode::Aborted, this->Volume->GetPath() + ": reading was stopped");
+    }
+  }
+  return Status::Ok();
 }
 
 Result<std::shared_ptr<const LevelSamples>> LevelsOfVolume::Find(

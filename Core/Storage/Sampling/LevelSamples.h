@@ -70,6 +70,9 @@ public:
 private:
   LevelSamples() = default;
 
+  /// Read() of a source at an address: the chunks that the box crosses, and not all of each block's.
+  Status ReadSource(std::size_t variable, const VertexBox& box, const Index3& step, void* samples,
+    std::ptrdiff_t stride, QueryStatistics& statistics, const Progress& progress) const;
   /// Cells of a block on an axis, unless it is the last one.
   std::int64_t GetBlockSide() const
   {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Sampling/PlaneLattice.h"
 
+#include "Ground/Base/Buffer.h"
+#include "Ground/Base/ReadingStop.h"
 #include "Ground/Volume/SampleCopy.h"
 #include "Ground/Volume/Vector3.h"
 
@@ -323,16 +325,8 @@ Status PlaneLattice::SampleAligned(const LevelSamples& samples, std::size_t vari
   vertices.High[first] = part.High[0];
   vertices.Low[second] = part.Low[1];
   vertices.High[second] = part.High[1];
-  const BlockBox cover = samples.FindCover(vertices);
-  std::vector<BlockReference> blocks;
-  VisitVertices({ cover.Low, cover.High },
-    [&](const Index3& block) { blocks.push_back(samples.GetBlock(block)); });
-
-  const BlockGrid& grid = samples.GetBlockGrid();
-  const auto copy = [&](const BlockReference& block, const SampleView& view)
+  const auto copyPart = [&](const VertexBox& own, const SampleView& view)
   {
-    const VertexBox own =
-      samples.FindCells(grid.GetBlockCoordinates(block.Block)).Intersect(vertices);
     DispatchValueType(view.Type,
       [&](auto zero)
       {
@@ -357,8 +351,31 @@ Status PlaneLattice::SampleAligned(const LevelSamples& samples, std::size_t vari
         }
       });
   };
-  return VisitBlocks(samples.GetVolume(), samples.GetTimeStep(), variable, samples.GetLevel(),
-    blocks, threads, copy, statistics, progress);
+  BlockedVolume& volume = samples.GetVolume();
+  if (samples.GetLevel() == 0 && volume.IsAtAddress(samples.GetTimeStep(), variable))
+  {
+    VertexBox needed = vertices;
+    needed.High[axis] += place == layer ? 0 : 1;
+    const ValueType type = volume.GetVariables()[variable].Type;
+    Buffer<std::uint8_t> bytes(
+      static_cast<std::size_t>(needed.GetNumberOfVertices()) * GetValueSize(type));
+    const ReadingStop stop(progress);
+    ISOSURFACE_RETURN_IF_ERROR(
+      volume.ReadSource(samples.GetTimeStep(), variable, needed, bytes.GetData(), statistics));
+    copyPart(vertices, MakeSampleView(type, needed, bytes.GetData()));
+    return Status::Ok();
+  }
+  const BlockBox cover = samples.FindCover(vertices);
+  std::vector<BlockReference> blocks;
+  VisitVertices({ cover.Low, cover.High },
+    [&](const Index3& block) { blocks.push_back(samples.GetBlock(block)); });
+  const auto copy = [&](const BlockReference& block, const SampleView& view)
+  {
+    const Index3 at = samples.GetBlockGrid().GetBlockCoordinates(block.Block);
+    copyPart(samples.FindCells(at).Intersect(vertices), view);
+  };
+  return VisitBlocks(volume, samples.GetTimeStep(), variable, samples.GetLevel(), blocks, threads,
+    copy, statistics, progress);
 }
 
 PointPortions PlaneLattice::MakePortions(const VertexBox& part) const

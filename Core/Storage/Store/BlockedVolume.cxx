@@ -383,6 +383,18 @@ int BlockedVolume::ChooseThreads(std::size_t timeStep, int threads) const
   return ChooseReadingThreads(source ? source->AbsolutePath : this->GetPath(), threads);
 }
 
+bool BlockedVolume::IsAtAddress(std::size_t timeStep, std::size_t variable) const
+{
+  const auto& source = this->GetHeader().TimeSteps[timeStep].Source;
+  return source && IsAddress(source->AbsolutePath) && !this->GetVariables()[variable].IsMagnitude();
+}
+
+Status BlockedVolume::ReadSource(std::size_t timeStep, std::size_t variable, const VertexBox& box,
+  std::uint8_t* to, QueryStatistics& statistics)
+{
+  return this->Stores->ReadSource(timeStep, variable, box, to, statistics);
+}
+
 Status BlockedVolume::CheckSource(std::size_t timeStep)
 {
   return this->Stores->CheckSource(timeStep);

@@ -116,6 +116,13 @@ public:
   Result<std::shared_ptr<const DecodedBlock>> ReadBlock(const BlockReference& reference,
     std::size_t timeStep, std::size_t variable, int level, QueryStatistics& statistics);
 
+  /// Whether the samples of a variable at level 0 are in a source at an address, for ReadSource().
+  bool IsAtAddress(std::size_t timeStep, std::size_t variable) const;
+  /// Writes these samples in a box to `to`: x fastest, without gaps. Only the chunks that the box crosses are fetched,
+  /// side by side; so no checksum of a block is compared.
+  Status ReadSource(std::size_t timeStep, std::size_t variable, const VertexBox& box,
+    std::uint8_t* to, QueryStatistics& statistics);
+
   /// Returns several variables of a block, in the given order. At level 0 of a record, components
   /// that follow each other in the record and are not in the cache are read by one read.
   Result<DecodedBlocks> ReadVariables(const BlockReference& reference, std::size_t timeStep,

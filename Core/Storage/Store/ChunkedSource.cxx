@@ -41,16 +41,19 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto samples, SourceSamples::OpenNew(files, opener, path, name, record, grid, arrays, cache));
   const std::uint64_t ofThread = std::max<std::uint64_t>(1, samples->GetThreadBytes());
+  const VertexBox& all = source->GetBox();
+  const VertexBox& part = decoding.Part.IsEmpty() ? all : decoding.Part;
   const auto countThreads = [&](std::int64_t slices)
   {
-    const std::uint64_t kept = samples->GetSlabBytes(slices);
+    const std::uint64_t kept = samples->GetSlabBytes(part, slices);
     const std::uint64_t left = decoding.MemoryBytes - std::min(decoding.MemoryBytes, kept);
     return static_cast<int>(
       std::min<std::uint64_t>(static_cast<std::uint64_t>(mostThreads), left / ofThread));
   };
   // Several slices have chunks for all threads, also where each is one chunk.
   constexpr std::int64_t enough = 16;
-  std::int64_t slices = std::max(enough, samples->GetChunkSlices());
+  std::int64_t slices =
+    decoding.Part.IsEmpty() ? std::max(enough, samples->GetChunkSlices()) : all.High[2];
   if (countThreads(slices) < fewest)
   {
     slices = samples->GetChunkSlices();
@@ -60,7 +63,7 @@ Status ChunkedSource::Replace(std::unique_ptr<BoxSource>& source, FileSystem& fi
   {
     return Status::Ok();
   }
-  const std::uint64_t kept = samples->GetSlabBytes(slices);
+  const std::uint64_t kept = samples->GetSlabBytes(part, slices);
   cache->SetBudget(kept);
   if (decoding.IsShared)
   {

@@ -29,7 +29,9 @@ struct ChunkDecoding
   std::uint64_t MemoryBytes = 0; ///< for decoded chunks, and for what threads take
   int Threads = 1;
   /// As long as it is true, chunks that are decoded go to the cache of the process, too; null: never.
-  std::function<bool()> IsShared;
+  std::function<bool()> IsShared{};
+  /// All that is read, by one Read(); empty: all is read, slab by slab.
+  VertexBox Part{};
 };
 
 /// A file that is read box by box, whose chunks several threads decode (SourceSamples).

@@ -233,20 +233,28 @@ std::int64_t SourceSamples::GetChunkSlices() const
   return slices;
 }
 
-std::uint64_t SourceSamples::GetSlabBytes(std::int64_t slices) const
+std::uint64_t SourceSamples::GetSlabBytes(const VertexBox& box, std::int64_t slices) const
 {
   constexpr std::int64_t ofEntry = 512; // beside the samples
-  const Index3 size = this->Box.GetSize();
+  const Index3 size = box.GetSize();
   std::uint64_t bytes = 0;
   for (const Array& array : this->Arrays)
   {
-    // They begin and end amid chunks.
-    const std::int64_t layers =
-      std::min(array.Chunks[2], (slices + array.Chunk[2] - 2) / array.Chunk[2] + 1);
-    const std::int64_t deep = std::min(size[2], layers * array.Chunk[2]);
-    bytes += static_cast<std::uint64_t>(size[0] * size[1] * deep) * array.Components *
-        GetValueSize(array.Type) +
-      static_cast<std::uint64_t>(array.Chunks[0] * array.Chunks[1] * layers * ofEntry);
+    std::int64_t chunks = 1;
+    std::int64_t samples = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      // Slices begin and end amid chunks.
+      const std::int64_t chunk = array.Chunk[axis];
+      const std::int64_t crossed = (box.High[axis] - 1) / chunk - box.Low[axis] / chunk + 1;
+      const std::int64_t count = axis == 2 && slices < size[axis]
+        ? std::min(crossed, (slices + chunk - 2) / chunk + 1)
+        : crossed;
+      chunks *= count;
+      samples *= std::min(this->Box.High[axis], count * chunk);
+    }
+    bytes += static_cast<std::uint64_t>(samples) * array.Components * GetValueSize(array.Type) +
+      static_cast<std::uint64_t>(chunks * ofEntry);
   }
   return bytes;
 }

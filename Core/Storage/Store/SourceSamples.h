@@ -75,8 +75,8 @@ public:
 
   /// The slices of the deepest chunks.
   std::int64_t GetChunkSlices() const;
-  /// The bytes in a cache of all chunks that `slices` adjacent slices need.
-  std::uint64_t GetSlabBytes(std::int64_t slices) const;
+  /// The bytes in a cache of all chunks that at most `slices` adjacent slices of a box need.
+  std::uint64_t GetSlabBytes(const VertexBox& box, std::int64_t slices) const;
   /// The bytes that a thread takes while it decodes a chunk.
   std::uint64_t GetThreadBytes() const;
 

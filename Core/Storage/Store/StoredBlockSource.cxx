@@ -46,7 +46,9 @@ Index3 StoredBlockSource::GetLatticeCoordinates(std::size_t block) const
 
 VertexBox StoredBlockSource::GetVertices(std::size_t block) const
 {
-  return this->Stored.Grid->GetVertices(this->Blocks[block].Block, this->Stored.Level);
+  const VertexBox vertices =
+    this->Stored.Grid->GetVertices(this->Blocks[block].Block, this->Stored.Level);
+  return this->Part ? vertices.Intersect(*this->Part) : vertices;
 }
 
 ValueType StoredBlockSource::GetValueType() const
@@ -139,7 +141,10 @@ Result<BlockSamples> StoredBlockSource::Acquire(std::size_t block)
     this->Statistics.Add(statistics);
   }
   ISOSURFACE_RETURN_IF_ERROR(blocks.GetStatus());
-  return MakeBlockSamples(std::move(*blocks), this->Volume.GetVariables(), this->Attributes);
+  BlockSamples samples =
+    MakeBlockSamples(std::move(*blocks), this->Volume.GetVariables(), this->Attributes);
+  samples.Scalars.Box = this->GetVertices(block);
+  return samples;
 }
 
 QueryStatistics StoredBlockSource::GetStatistics() const

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace isosurface
@@ -40,6 +41,9 @@ public:
   /// without them.
   void SetAttributes(std::vector<std::size_t> arrays);
 
+  /// Only the cells of this part of the level are extracted (BlockSelection::Part).
+  void SetPart(const std::optional<VertexBox>& part) { this->Part = part; }
+
   /// Only the blocks [begin, end) will certainly be acquired, in this order: only they are expected
   /// and read ahead. Otherwise all are.
   void SetOwnBlocks(std::size_t begin, std::size_t end);
@@ -68,6 +72,7 @@ private:
   int Level;
   StoredLevel Stored;
   std::vector<BlockReference> Blocks;
+  std::optional<VertexBox> Part;
   std::size_t OwnBegin = 0;
   std::size_t OwnEnd;
 

@@ -327,6 +327,19 @@ Result<std::shared_ptr<SourceSamples>> VolumeStores::GetSource(std::size_t timeS
   return kept;
 }
 
+Status VolumeStores::ReadSource(std::size_t timeStep, std::size_t variable, const VertexBox& box,
+  std::uint8_t* to, QueryStatistics& statistics)
+{
+  std::shared_ptr<SourceSamples> source;
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    ISOSURFACE_ASSIGN_OR_RETURN(source, this->GetSource(timeStep));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(
+    source->Decode(variable, box, ChooseReadingThreads(source->GetName(), 1)));
+  return source->Read(variable, box, to, statistics);
+}
+
 Status VolumeStores::CheckSource(std::size_t timeStep)
 {
   std::shared_ptr<SourceSamples> source;

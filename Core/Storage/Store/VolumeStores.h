@@ -105,6 +105,9 @@ public:
 
   /// Ok if the header on disk still has the time step as it was when the volume was opened.
   Status CheckNotRewritten(std::size_t timeStep) const;
+  /// BlockedVolume::ReadSource.
+  Status ReadSource(std::size_t timeStep, std::size_t variable, const VertexBox& box,
+    std::uint8_t* to, QueryStatistics& statistics);
   /// Ok unless the source of a time step is open, and its files were changed since it was indexed.
   Status CheckSource(std::size_t timeStep);
 
