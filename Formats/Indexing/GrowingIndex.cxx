@@ -47,7 +47,8 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
       new FinishedLayers(place, OpenForeignVolume, this->Index.Path, this->Index.Place),
       [memory = this->Memory](FinishedLayers* layers) { delete layers; });
   }
-  const bool isCoarse = this->Sample.Volume && this->Sample.Level > 0 && this->Sample.Share == 1;
+  const bool isCoarse = this->Sample.Volume && this->Sample.Share == 1 &&
+    (this->Sample.Level > 0 || this->Sample.IsUnfinished);
   this->FetchesFiner = isCoarse && this->Sample.Step == 0 && IsAddress(this->Index.Source);
   this->Writing = std::make_unique<CollectiveTask>(ranks, this->Index.Source,
     [this, &place, memoryBytes, finer = this->FetchesFiner, level = this->Sample.Level,
@@ -81,16 +82,20 @@ Status GrowingIndex::FetchFiner(
   Communicator& ranks, int level, std::int64_t vertices, double seconds, const Progress& progress)
 {
   SampleLimits limits;
-  limits.Seconds = 2 * FinerSeconds;
+  limits.Seconds = level > 0 ? 2 * FinerSeconds : FinerSeconds;
   limits.CoarserThan = level;
-  const double most =
-    static_cast<double>(vertices) * FinerSeconds / std::max(seconds, FinerSeconds / 100);
-  limits.Vertices =
-    most < static_cast<double>(MostVertices) ? static_cast<std::int64_t>(most) : MostVertices;
+  if (level > 0)
+  {
+    const double most =
+      static_cast<double>(vertices) * FinerSeconds / std::max(seconds, FinerSeconds / 100);
+    limits.Vertices =
+      most < static_cast<double>(MostVertices) ? static_cast<std::int64_t>(most) : MostVertices;
+  }
   const Progress look = [&progress](double) { return progress(0); };
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto sample, ReadSourceSample(ranks, this->Files, this->Index, limits, look));
-  if (sample.Volume && sample.Share == 1)
+  const auto found = static_cast<double>(sample.Vertices);
+  if (sample.Share == 1 && found >= EnoughLarger * static_cast<double>(vertices))
   {
     this->Larger = std::move(sample);
     this->HasFiner = true;

@@ -33,8 +33,8 @@ class FinishedLayers;
  * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
  * writing it may be.
  *
- * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished). If it is a coarse level of a
- * pyramid at an address, a finer one is fetched first, as fine as some seconds allow.
+ * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished). If it is a coarse one of all of
+ * an address, a finer one is fetched first, as fine as some seconds allow.
  *
  * The destructor stops the writing. Then an older index stays as it was, and what is written of this
  * one is kept for the next try (WriteSourceIndex).
@@ -95,7 +95,7 @@ public:
   Result<std::shared_ptr<BlockedVolume>> Open(const GridPlace& place) const;
 
 private:
-  /// Fetches a larger sample than the first one, of this level and so many vertices, which took so long.
+  /// Fetches a larger sample than one of this level and so many vertices, which took so long.
   Status FetchFiner(Communicator& ranks, int level, std::int64_t vertices, double seconds,
     const Progress& progress);
   /// Each rank tells the others what it has sampled, now and then.

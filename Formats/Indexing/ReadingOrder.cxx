@@ -36,55 +36,78 @@ Index3 ChooseStep(const Index3& size, std::int64_t vertices)
   return step;
 }
 
-/// Slices from the first to the last, far apart first and then in between.
+/// Slices from the first to the last, far apart first and then in between; or, where each read waits for a server,
+/// rows of them.
 class SliceOrder : public ReadingOrder
 {
 public:
-  SliceOrder(const VertexBox& box, const Index3& step, bool isByRows)
+  SliceOrder(const VertexBox& box, const Index3& step, bool isByRows, bool isFar)
     : ReadingOrder(step)
     , Box(box)
     , ByRows(isByRows)
+    , ReadsRows(isByRows && isFar)
     , Slices(DivideUp(box.High[2], step[2]))
+    , Rows(this->ReadsRows ? DivideUp(box.High[1], step[1]) : 1)
+    , Apart(ChooseApart(this->Slices))
+    , RowsApart(ChooseApart(this->Rows))
   {
-    for (this->Apart = 1; this->Apart<CoarsestSlices&& this->Slices> 2 * this->Apart;)
-    {
-      this->Apart *= 2;
-    }
   }
 
   std::vector<VertexBox> FindNext() override
   {
-    std::vector<VertexBox> slices;
-    if (this->HasBegun && this->Apart == 1)
+    std::vector<VertexBox> boxes;
+    if (this->HasBegun && this->Apart == 1 && this->RowsApart == 1)
     {
-      return slices;
+      return boxes;
     }
-    this->Apart /= this->HasBegun ? 2 : 1;
+    const std::int64_t before = this->Apart;
+    const std::int64_t rowsBefore = this->RowsApart;
+    this->Apart = this->HasBegun ? std::max<std::int64_t>(1, before / 2) : before;
+    this->RowsApart = this->HasBegun ? std::max<std::int64_t>(1, rowsBefore / 2) : rowsBefore;
     for (std::int64_t slice = 0; slice < this->Slices; slice += this->Apart)
     {
-      if (!this->HasBegun || slice % (2 * this->Apart) != 0)
+      for (std::int64_t row = 0; row < this->Rows; row += this->RowsApart)
       {
-        VertexBox box = this->Box;
-        box.Low[2] = slice * this->Step[2];
-        box.High[2] = box.Low[2] + 1;
-        slices.push_back(box);
+        if (!this->HasBegun || slice % before != 0 || row % rowsBefore != 0)
+        {
+          VertexBox box = this->Box;
+          box.Low[2] = slice * this->Step[2];
+          box.High[2] = box.Low[2] + 1;
+          box.Low[1] = this->ReadsRows ? row * this->Step[1] : box.Low[1];
+          box.High[1] = this->ReadsRows ? box.Low[1] + 1 : box.High[1];
+          boxes.push_back(box);
+        }
       }
     }
     this->HasBegun = true;
-    return slices;
+    return boxes;
   }
 
   Lattice GetLattice() const override
   {
-    return { this->Box, { this->Step[0], this->Step[1], this->Step[2] * this->Apart } };
+    return { this->Box,
+      { this->Step[0], this->Step[1] * this->RowsApart, this->Step[2] * this->Apart } };
   }
   bool IsByRows() const override { return this->ByRows; }
 
 private:
+  static std::int64_t ChooseApart(std::int64_t count)
+  {
+    std::int64_t apart = 1;
+    while (apart < CoarsestSlices && count > 2 * apart)
+    {
+      apart *= 2;
+    }
+    return apart;
+  }
+
   const VertexBox Box;
   const bool ByRows;
+  const bool ReadsRows; ///< each a box of its own
   const std::int64_t Slices;
-  std::int64_t Apart = 1; ///< in slices of the last lattice
+  const std::int64_t Rows;
+  std::int64_t Apart; ///< in slices of the last lattice
+  std::int64_t RowsApart;
   bool HasBegun = false;
 };
 
@@ -241,7 +264,7 @@ std::unique_ptr<ReadingOrder> ReadingOrder::Choose(
   const auto chunk = source.GetChunk();
   if (source.HasCheapRows() || (chunk && (*chunk)[2] * 2 <= step[2]))
   {
-    return std::make_unique<SliceOrder>(box, step, source.HasCheapRows());
+    return std::make_unique<SliceOrder>(box, step, source.HasCheapRows(), atOnce > 1);
   }
   if (chunk)
   {

@@ -31,10 +31,11 @@ struct SourceSample
   double Share = 0;                      ///< of the file that its box is
   std::size_t Step = 0;                  ///< the time step that it is of
   int Level = 0;                         ///< OpenedVolume::Level
-  std::int64_t Vertices = 0;             ///< of the volume
-  double Seconds = 0;                    ///< that reading took; the same on all ranks
-  bool IsWhole = false;                  ///< whether it has all samples of the file
-  std::string Text;                      ///< what it is of the file: "one of 16 x 16 x 16 samples"
+  bool IsUnfinished = false; ///< whether rows or slices of the sample that was wanted are left out
+  std::int64_t Vertices = 0; ///< of the volume
+  double Seconds = 0;        ///< that reading took; the same on all ranks
+  bool IsWhole = false;      ///< whether it has all samples of the file
+  std::string Text;          ///< what it is of the file: "one of 16 x 16 x 16 samples"
 };
 
 /// What a sample needs to know of the volume that it is of.

@@ -346,6 +346,8 @@ Result<SourceSample> Sampler::MakeVolume(const std::vector<Message>& messages) c
   {
     sample->WholeStep = this->Order->GetWholeStep();
     sample->Seconds = this->Seconds;
+    const Index3& step = this->Complete.Step;
+    sample->IsUnfinished = step[1] > sample->WholeStep[1] || step[2] > sample->WholeStep[2];
   }
   return sample;
 }

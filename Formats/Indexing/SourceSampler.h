@@ -35,7 +35,7 @@ struct SampleLimits
  *     a box of whole chunks  of other files, which grows from the middle
  *     the first slices       of streams, which can only be read in order
  *
- * Of an address, as many chunks are read at once as there are requests at the same time.
+ * Of an address, as many chunks are read at once as there are requests at the same time, and rows far apart first.
  * Slices are read in such an order, m from large to small, that they can end at any time; so can
  * boxes. Collective. Errors: those of the source; Aborted. Memory: some times the sample; and a chunk, or a slice, for each thread.
  */
