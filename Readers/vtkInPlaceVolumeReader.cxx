@@ -467,10 +467,9 @@ int vtkInPlaceVolumeReader::RequestInformation(
     return this->Superclass::RequestInformation(request, input, output);
   }
   // An abortion stays known until data are asked for. One from before is none of what waits for a server now.
-  const isosurface::Progress isWanted = [this](double)
-  { return isosurface::MakeProgress(*this)(this->GetProgress()); };
-  const bool wasStopped = !isWanted(0);
-  const isosurface::Progress look = [&](double) { return wasStopped || isWanted(0); };
+  const bool wasStopped = isosurface::IsAborted(*this);
+  const isosurface::Progress look = [this, wasStopped](double)
+  { return isosurface::MakeProgress(*this)(this->GetProgress()) || wasStopped; };
   const isosurface::ReadingStop stop(look);
   const int done = this->Superclass::RequestInformation(request, input, output);
   this->IsStopped = isosurface::ReadingStop::IsWanted();

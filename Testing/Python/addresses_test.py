@@ -9,6 +9,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+import threading
 import time
 import unittest
 
@@ -409,6 +410,24 @@ print(reader.GetIndexText() == before)
         self.assertRegex(told[5], spent % ("[45]", "4.2"))
         self.assertRegex(told[6], r"a.zarr.bvol: up to date; \S+ MB of 11 MB fetched$")
         self.assertEqual(told[7:], ["True"])
+
+    def test_opening_and_reading_end_when_they_are_aborted_while_a_server_is_silent(self):
+        os.environ["SCALABLE_ISOSURFACE_STALL"] = "60"
+        for silent in ("a.zarr", r"\d\.\d\.\d$"):  # metadata, chunks
+            with self.subTest(silent):
+                held = threading.Event()
+                self.addCleanup(held.set)
+                self.server.faults = {silent: lambda handler, file: held.wait(60) and False}
+                code = self.READER + """
+reader.AddObserver("ProgressEvent", lambda *_: reader.SetAbortExecute(1))
+reader.Update()
+print("ended")
+"""
+                # Well before the server answers.
+                done = subprocess.run([sys.executable, "-c", code, self.address], stdout=subprocess.PIPE, check=True,
+                                      text=True, timeout=45)
+                self.assertEqual(done.stdout.splitlines(), ["ended"])
+                self.assertFalse(held.is_set())
 
     def test_an_error_of_the_server_is_not_hidden_by_a_spent_budget(self):
         for path in glob.glob(self.www("a.zarr/1.*.*")):
