@@ -765,6 +765,55 @@ class Ranks(AddressTest):
         surfaces = [volume.isosurface(0.3) for volume in volumes.values()]
         self.assertEqual(*(surface.triangles.shape for surface in surfaces))
 
+    def test_a_coarse_picture_is_followed_by_a_finer_one_then_by_the_index(self):
+        samples = make_waves((160, 160, 160))
+        image = create_group(self.www("a.zarr"))
+        scales = [{"type": "scale", "scale": [float(1 << level)] * 3} for level in range(3)]
+        image.attrs["multiscales"] = [{
+            "axes": [{"name": name, "type": "space"} for name in "zyx"], "version": "0.4",
+            "datasets": [{"path": str(level), "coordinateTransformations": [scales[level]]} for level in range(3)]}]
+        expected = []
+        for level in range(3):
+            coarse = samples[:: 1 << level, :: 1 << level, :: 1 << level]
+            write_array_2(self.www(f"a.zarr/{level}"), coarse, (32, 32, 32), separator="/")
+            expected.append(len(si.open(self.www(f"a.zarr/{level}")).isosurface(0.3, normals=False).triangles))
+        code = """
+import sys
+from mpi4py import MPI
+from vtkmodules.vtkParallelCore import vtkMultiProcessController
+from vtkmodules.vtkParallelMPI import vtkMPIController
+import scalable_isosurface as si
+
+ranks = vtkMPIController()
+ranks.Initialize()
+vtkMultiProcessController.SetGlobalController(ranks)
+reader = si.vtkInPlaceVolumeReader()
+reader.SetSourceName(sys.argv[1])
+reader.AllowCoarse(True)
+surface = si.vtkStabbingContour()
+surface.SetInputConnection(reader.GetOutputPort())
+surface.SetValue(0, 0.3)
+stage = 1
+while stage:
+    surface.UpdatePiece(ranks.GetLocalProcessId(), ranks.GetNumberOfProcesses(), 0)
+    triangles = MPI.COMM_WORLD.allreduce(surface.GetOutput().GetNumberOfPolys())
+    if ranks.GetLocalProcessId() == 0:
+        print(triangles, flush=True)
+    while (stage := reader.GetRefinement()[0]) == 1:
+        reader.AdvanceIndex(50)
+    reader.TakeIndex()
+vtkMultiProcessController.SetGlobalController(None)
+ranks.Finalize(1)
+"""
+        for count in (1, 3):
+            with self.subTest(ranks=count):
+                shutil.rmtree(self.path("cache"), ignore_errors=True)
+                done = subprocess.run([MPIEXEC, "--oversubscribe", "-n", str(count), sys.executable, "-c", code,
+                                       f"{self.server.url}/a.zarr"], stdout=subprocess.PIPE, text=True, check=True)
+                found = list(map(int, done.stdout.split()))
+                # Of a slow server the finer one is left out.
+                coarse, fine = expected[1], expected[0]
+                self.assertIn(found, ([coarse, fine, fine], [coarse, fine]))
 
     def test_a_budget_is_of_all_ranks_and_time_steps(self):
         os.environ["SCALABLE_ISOSURFACE_CACHE_BYTES"] = "0"
