@@ -59,7 +59,8 @@ class Proxy:
     """Passes connections on: what clients send later, what the server sends no faster than the rate."""
 
     def __init__(self, port, server, latency, rate, counts, tells):
-        self.port, self.server, self.latency, self.rate, self.counts, self.tells = port, server, latency, rate, counts, tells
+        self.port, self.server, self.latency, self.rate, self.counts = port, server, latency, rate, counts
+        self.tells = tells
         self.free = self.last = 0.0
 
     async def delay(self, reader, writer):
@@ -88,7 +89,8 @@ class Proxy:
             self.begin = now
         self.last = now
         for line in (line for line in data.split(b"\r\n") if line.startswith((b"GET /", b"Range"))):
-            print(f"{now - self.begin:7.3f} {self.counts[1] / 1e6:7.2f} MB {line.decode()[:100]}", file=sys.stderr, flush=True)
+            told = f"{now - self.begin:7.3f} {self.counts[1] / 1e6:7.2f} MB {line.decode()[:100]}"
+            print(told, file=sys.stderr, flush=True)
 
     async def limit(self, reader, writer):
         while data := await reader.read(PIPE):

@@ -207,7 +207,8 @@ class Regions(AddressTest):
         inside = numpy.ones(len(corners), bool)
         for axis in range(3) if bounds else ():
             inside &= ((corners[..., axis] >= bounds[2 * axis]) & (corners[..., axis] <= bounds[2 * axis + 1])).all(1)
-        return sorted(row.tobytes() for row in numpy.concatenate([corners, surface.normals[surface.triangles]], 2)[inside])
+        triangles = numpy.concatenate([corners, surface.normals[surface.triangles]], 2)
+        return sorted(triangle.tobytes() for triangle in triangles[inside])
 
     def check_same(self, surface, expected):
         for name in ("points", "triangles", "normals"):
@@ -217,8 +218,11 @@ class Regions(AddressTest):
     def test_the_surface_of_a_region_is_that_of_its_cells_and_fetches_their_chunks_alone(self):
         whole = self.whole.isosurface(0.3)
         # A box around vertices, one that ends on chunks, and one of a single layer beside the others.
-        for bounds, normals in ((self.BOUNDS, (19, 47, 17, 42, 16, 35)), ((64, 95, 96, 111, 32, 63), (63, 97, 95, 113, 31, 65)),
-                                ((70.5, 90.25, 100, 120, 65, 65.5), (69, 93, 99, 122, 64, 68))):
+        for bounds, normals in (
+            (self.BOUNDS, (19, 47, 17, 42, 16, 35)),
+            ((64, 95, 96, 111, 32, 63), (63, 97, 95, 113, 31, 65)),
+            ((70.5, 90.25, 100, 120, 65, 65.5), (69, 93, 99, 122, 64, 68)),
+        ):
             with self.subTest(bounds):
                 cells = [(math.floor(low), math.ceil(high) + 1) for low, high in zip(bounds[::2], bounds[1::2])]
                 volume = si.open(self.address)
@@ -328,6 +332,8 @@ part.Update()
         for name, how, boxes in (
             ("vtkVolumeSlice", [("SetOrigin", 75, 70, 40), ("SetNormal", 0, 0, 1)], [(0, 150), (0, 140), (40, 41)]),
             ("vtkVolumeSlice", [("SetOrigin", 47.5, 70, 40), ("SetNormal", 1, 0, 0)], [(47, 49), (0, 140), (0, 130)]),
+            ("vtkVolumeRegion", [("SetPosition", 20, 30, 40), ("SetLength", 20, 40, 60)],
+             [(20, 41), (30, 71), (40, 101)]),
         ):
             with self.subTest(name, how=how):
                 self.server.forget()
@@ -602,7 +608,8 @@ class Recovery(FaultyServer):
         gone = self.serve()
         gone.close()
         os.environ["http_proxy"] = gone.url
-        with self.assertRaisesRegex(OSError, rf"no-such-proxy.invalid/a.zarr.*: cannot be read: .*{gone.server_port}") as told:
+        expected = rf"no-such-proxy.invalid/a.zarr.*: cannot be read: .*{gone.server_port}"
+        with self.assertRaisesRegex(OSError, expected) as told:
             si.open("http://no-such-proxy.invalid/a.zarr")
         self.assertNotIn("\n", str(told.exception))
 
