@@ -133,6 +133,12 @@ bool IsAborted(vtkAlgorithm& algorithm)
 #endif
 }
 
+Status AgreeOnEnd(vtkAlgorithm& algorithm, Communicator& ranks, const Status& mine)
+{
+  return ranks.Agree(
+    IsAborted(algorithm) ? Status(StatusCode::Aborted, "the execution was aborted") : mine);
+}
+
 Progress MakeProgress(vtkAlgorithm& algorithm, double first, double last)
 {
   return [&algorithm, first, last](double share)
@@ -153,6 +159,10 @@ void MarkAborted(vtkAlgorithm& algorithm)
 
 int EndExecution(vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& status)
 {
+  for (int port = 0; !status.IsOk() && port < output->GetNumberOfInformationObjects(); ++port)
+  {
+    vtkDataObject::GetData(output, port)->Initialize();
+  }
   if (status.GetCode() == StatusCode::Aborted)
   {
     MarkAborted(*algorithm);

@@ -41,6 +41,11 @@ ISOSURFACEBRIDGE_EXPORT unsigned long FindErrorCode(const Status& error);
 /// Whether an algorithm, or since VTK 9.2 one before it in the pipeline, has been told to stop.
 ISOSURFACEBRIDGE_EXPORT bool IsAborted(vtkAlgorithm& algorithm);
 
+/// How the executions of all ranks have ended. That one was told to stop outweighs an error, such as that of a reader
+/// that was stopped before it had a volume. Collective.
+ISOSURFACEBRIDGE_EXPORT Status AgreeOnEnd(
+  vtkAlgorithm& algorithm, Communicator& ranks, const Status& mine);
+
 /// Tells observers of an algorithm how far it is, from `first` to `last`, and Core whether it goes
 /// on.
 ISOSURFACEBRIDGE_EXPORT Progress MakeProgress(
@@ -52,7 +57,7 @@ ISOSURFACEBRIDGE_EXPORT Progress MakeProgress(
 ISOSURFACEBRIDGE_EXPORT void MarkAborted(vtkAlgorithm& algorithm);
 
 /// What RequestData returns once all ranks have agreed on how it ended: 1 if it is done or was
-/// stopped, which is marked; 0 after an error, which is reported.
+/// stopped, which is marked; 0 after an error, which is reported. Empties the outputs unless it is done.
 ISOSURFACEBRIDGE_EXPORT int EndExecution(
   vtkAlgorithm* algorithm, vtkInformationVector* output, const Status& status);
 

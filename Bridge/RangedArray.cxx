@@ -2,7 +2,9 @@
 #include "RangedArray.h"
 
 #include "vtkDataArray.h"
+#include "vtkDataObject.h"
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
@@ -169,6 +171,24 @@ void AllocateTuples(vtkDataArray* array, vtkIdType tuples)
   const vtkIdType values = tuples * array->GetNumberOfComponents();
   Buffer<std::uint8_t> memory(static_cast<std::size_t>(values * array->GetDataTypeSize()));
   AdoptMemory(array, memory.Release(), values);
+}
+
+vtkSmartPointer<vtkDataArray> MakeColumn(
+  const std::string& name, int type, const std::vector<double>& values)
+{
+  auto column = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(type));
+  column->SetName(name.c_str());
+  AllocateTuples(column, static_cast<vtkIdType>(values.size()));
+  for (std::size_t row = 0; row < values.size(); ++row)
+  {
+    column->SetComponent(static_cast<vtkIdType>(row), 0, values[row]);
+  }
+  return column;
+}
+
+void AddToFieldData(vtkDataObject* data, const std::string& name, int type, double value)
+{
+  data->GetFieldData()->AddArray(MakeColumn(name, type, { value }));
 }
 
 } // namespace isosurface

@@ -5,8 +5,14 @@
 #include "IsosurfaceBridgeModule.h" // for the export macro
 
 #include "vtkSmartPointer.h"
+#include "vtkType.h"
+
+#include <string>
+#include <type_traits>
+#include <vector>
 
 class vtkDataArray;
+class vtkDataObject;
 
 namespace isosurface
 {
@@ -32,6 +38,20 @@ ISOSURFACEBRIDGE_EXPORT void AdoptMemory(vtkDataArray* array, void* memory, vtkI
 /// Gives an array room for `tuples` tuples, which are not initialised. Throws std::bad_alloc if memory
 /// is short, where the array itself, as some systems build VTK, would end the process.
 ISOSURFACEBRIDGE_EXPORT void AllocateTuples(vtkDataArray* array, vtkIdType tuples);
+
+/// An array of one of VTK's numeric types, plain, of one component with these values.
+ISOSURFACEBRIDGE_EXPORT vtkSmartPointer<vtkDataArray> MakeColumn(
+  const std::string& name, int type, const std::vector<double>& values);
+
+/// Adds an array of one number to a dataset's field data, of float64 or of VTK's ids.
+ISOSURFACEBRIDGE_EXPORT void AddToFieldData(
+  vtkDataObject* data, const std::string& name, int type, double value);
+template <typename T>
+void AddToFieldData(vtkDataObject* data, const std::string& name, T value)
+{
+  AddToFieldData(
+    data, name, std::is_floating_point_v<T> ? VTK_DOUBLE : VTK_ID_TYPE, static_cast<double>(value));
+}
 
 } // namespace isosurface
 

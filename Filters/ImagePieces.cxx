@@ -9,15 +9,14 @@
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
+#include "vtkDataObjectTreeIterator.h"
 #include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationExecutivePortKey.h"
-#include "vtkMultiBlockDataSet.h"
 #include "vtkPartitionedDataSet.h"
-#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkRectilinearGrid.h"
 #include "vtkSmartPointer.h"
@@ -32,7 +31,6 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -44,59 +42,70 @@ namespace
 using BlockPath = std::vector<std::int64_t>;
 using ArrayFinder = std::function<Result<vtkDataArray*>(vtkImageData*)>;
 
-/// An image of the input, or one that stands for a rectilinear grid of these lines.
-struct Leaf
+/// The array that a filter is to contour of a dataset, or null. VTK gives it to the filter alone.
+struct ChosenArray : vtkAlgorithm
 {
-  ImagePieces::Source Source;
-  std::optional<GridLines> Lines;
-  BlockPath Block;
+  static vtkDataArray* Find(vtkAlgorithm& filter, vtkDataObject* data, int& association)
+  {
+    using Getter = vtkDataArray* (vtkAlgorithm::*)(int, vtkDataObject*, int&);
+    return (filter.*static_cast<Getter>(&ChosenArray::GetInputArrayToProcess))(
+      0, data, association);
+  }
 };
+
+/// A dataset in a composite one.
+struct Child
+{
+  std::int64_t Number; ///< among the blocks there; -1: of the block itself, as its partitions
+  vtkDataObject* Data;
+  vtkInformation* Info;
+};
+
+/// None of a dataset that is no composite.
+std::vector<Child> FindChildren(vtkDataObject* data)
+{
+  std::vector<Child> children;
+  auto* composite = vtkCompositeDataSet::SafeDownCast(data);
+  if (!composite)
+  {
+    return children;
+  }
+  const auto iterator = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
+  auto* tree = vtkDataObjectTreeIterator::SafeDownCast(iterator);
+  if (tree)
+  {
+    tree->VisitOnlyLeavesOff();
+    tree->TraverseSubTreeOff();
+    tree->SkipEmptyNodesOff();
+  }
+  const bool arePartitions = vtkPartitionedDataSet::SafeDownCast(data) != nullptr;
+  for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
+  {
+    const auto place =
+      static_cast<std::int64_t>(tree ? children.size() : iterator->GetCurrentFlatIndex());
+    children.push_back({ arePartitions ? -1 : place, iterator->GetCurrentDataObject(),
+      iterator->HasCurrentMetaData() ? iterator->GetCurrentMetaData() : nullptr });
+  }
+  return children;
+}
 
 /// Calls visit(data, path) for the leaves of a tree of datasets, until it returns an error. The
 /// partitions of a block have one path.
 template <typename Visit>
-Status VisitLeaves(vtkDataObject* data, BlockPath& path, const Visit& visit)
+Status VisitLeaves(vtkDataObject* data, const BlockPath& path, const Visit& visit)
 {
-  const auto step = [&](std::int64_t number, vtkDataObject* child)
-  {
-    path.push_back(number);
-    const Status status = VisitLeaves(child, path, visit);
-    path.pop_back();
-    return status;
-  };
-  if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(data))
-  {
-    for (unsigned int n = 0; n < blocks->GetNumberOfBlocks(); ++n)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(step(n, blocks->GetBlock(n)));
-    }
-  }
-  else if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(data))
-  {
-    for (unsigned int n = 0; n < collection->GetNumberOfPartitionedDataSets(); ++n)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(step(n, collection->GetPartitionedDataSet(n)));
-    }
-  }
-  else if (auto* partitions = vtkPartitionedDataSet::SafeDownCast(data))
-  {
-    for (unsigned int n = 0; n < partitions->GetNumberOfPartitions(); ++n)
-    {
-      ISOSURFACE_RETURN_IF_ERROR(VisitLeaves(partitions->GetPartitionAsDataObject(n), path, visit));
-    }
-  }
-  else if (auto* composite = vtkCompositeDataSet::SafeDownCast(data))
-  {
-    const auto iterator = vtkSmartPointer<vtkCompositeDataIterator>::Take(composite->NewIterator());
-    for (iterator->InitTraversal(); !iterator->IsDoneWithTraversal(); iterator->GoToNextItem())
-    {
-      ISOSURFACE_RETURN_IF_ERROR(
-        step(iterator->GetCurrentFlatIndex(), iterator->GetCurrentDataObject()));
-    }
-  }
-  else if (data)
+  if (data && !vtkCompositeDataSet::SafeDownCast(data))
   {
     return visit(data, path);
+  }
+  for (const Child& child : FindChildren(data))
+  {
+    BlockPath further = path;
+    if (child.Number >= 0)
+    {
+      further.push_back(child.Number);
+    }
+    ISOSURFACE_RETURN_IF_ERROR(VisitLeaves(child.Data, further, visit));
   }
   return Status::Ok();
 }
@@ -107,58 +116,18 @@ std::string FindBlockName(vtkDataObject* data, const BlockPath& path)
   std::string name;
   for (const std::int64_t step : path)
   {
-    const auto number = static_cast<unsigned int>(step);
-    vtkInformation* info = nullptr;
-    if (auto* blocks = vtkMultiBlockDataSet::SafeDownCast(data))
+    const std::vector<Child> children = FindChildren(data);
+    const auto child = std::find_if(
+      children.begin(), children.end(), [step](const Child& one) { return one.Number == step; });
+    if (child == children.end())
     {
-      info = blocks->HasMetaData(number) ? blocks->GetMetaData(number) : nullptr;
-      data = blocks->GetBlock(number);
+      break;
     }
-    else if (auto* collection = vtkPartitionedDataSetCollection::SafeDownCast(data))
-    {
-      info = collection->HasMetaData(number) ? collection->GetMetaData(number) : nullptr;
-      data = collection->GetPartitionedDataSet(number);
-    }
-    const char* own = info ? info->Get(vtkCompositeDataSet::NAME()) : nullptr;
+    const char* own = child->Info ? child->Info->Get(vtkCompositeDataSet::NAME()) : nullptr;
     name += own ? (name.empty() ? "" : "/") + std::string(own) : "";
+    data = child->Data;
   }
   return name;
-}
-
-Result<std::vector<Leaf>> FindImages(vtkDataObject* input)
-{
-  std::vector<Leaf> images;
-  const auto add = [&images](vtkDataObject* data, const BlockPath& block)
-  {
-    auto* set = vtkDataSet::SafeDownCast(data);
-    auto* lined = vtkRectilinearGrid::SafeDownCast(data);
-    auto* image = vtkImageData::SafeDownCast(data);
-    if (!image && !lined)
-    {
-      return Status(StatusCode::InvalidArgument,
-        std::string("the input has a ") + data->GetClassName() +
-          ", but only image data and rectilinear grids can be contoured here: take Contour, or put "
-          "Resample To Image in front");
-    }
-    if (set->GetNumberOfPoints() == 0)
-    {
-      return Status::Ok();
-    }
-    Leaf leaf{ { image, nullptr, 0 }, {}, block };
-    if (lined)
-    {
-      leaf.Source.Owner = MakeStructuredImage(lined);
-      leaf.Source.Image = image = leaf.Source.Owner;
-      leaf.Lines = MakeGridLines(lined);
-      ISOSURFACE_RETURN_IF_ERROR(
-        leaf.Lines->Check(MakeGridGeometry(image, image->GetExtent()).GetDimensions()));
-    }
-    images.push_back(std::move(leaf));
-    return Status::Ok();
-  };
-  BlockPath path;
-  ISOSURFACE_RETURN_IF_ERROR(VisitLeaves(input, path, add));
-  return images;
 }
 
 vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
@@ -184,28 +153,6 @@ vtkMTimeType FindImageTime(vtkInformation* inputInfo, vtkImageData* image)
   return std::min(time, image->GetMTime());
 }
 
-Result<vtkDataArray*> TakeContouredArray(vtkInformation* inInfo, vtkImageData* image,
-  vtkDataArray* array, int association, int component, CellAverages& averages, int threads)
-{
-  if (!array)
-  {
-    return array;
-  }
-  const std::string name = array->GetName() ? array->GetName() : "";
-  if (!FindChosenComponent(array->GetNumberOfComponents(), component))
-  {
-    return MakeComponentError(name, array->GetNumberOfComponents(), component);
-  }
-  if (association == vtkDataObject::FIELD_ASSOCIATION_CELLS)
-  {
-    return averages.Find(image, FindImageTime(inInfo, image), array, threads);
-  }
-  return association == vtkDataObject::FIELD_ASSOCIATION_POINTS
-    ? Result<vtkDataArray*>(array)
-    : Status(StatusCode::InvalidArgument,
-        "array \"" + name + "\" is neither a point array nor a cell array");
-}
-
 Status MakeMissingArrayError(vtkDataObject* input, const std::string& name)
 {
   std::string text = "the input has no point array " +
@@ -222,124 +169,109 @@ Status MakeMissingArrayError(vtkDataObject* input, const std::string& name)
   return { StatusCode::NotFound, text };
 }
 
-Result<MemoryPiece> MakePiece(
-  const GridGeometry& grid, const ImagePieces::Source& source, vtkDataArray* array)
+/// The images of this rank whose array is to be contoured.
+Result<MemoryImages> DescribeImages(
+  vtkInformation* inInfo, const ArrayFinder& findArray, std::vector<ImagePieces::Source>& sources)
 {
-  ISOSURFACE_ASSIGN_OR_RETURN(auto samples, MakeImageSamples(grid, source.Image, array));
-  Fingerprint identity;
-  identity.AddNumber(reinterpret_cast<std::uintptr_t>(samples.Array.Get()));
-  identity.AddNumber(std::max(source.Time, samples.Array->GetMTime()));
-  return MemoryPiece{ 0, std::move(samples.Components), samples.Hidden, {}, identity.Get(),
-    std::make_shared<vtkSmartPointer<vtkDataArray>>(samples.Array) };
-}
-
-/// An image whose array is to be contoured. `isInput`: whether it is the input itself.
-MemoryImage DescribeLeaf(
-  const Leaf& leaf, vtkDataArray* array, bool isInput, vtkInformation* inputInfo)
-{
-  vtkImageData* image = leaf.Source.Image;
-  int extent[6];
-  image->GetExtent(extent);
-  int whole[6];
-  bool hasWhole = FindWholeExtent(image, whole);
-  if (isInput && inputInfo->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-  {
-    inputInfo->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), whole);
-    hasWhole = true;
-  }
-  // What lines there are beyond the pieces is not known.
-  for (int axis = 0; hasWhole && !leaf.Lines && axis < 3; ++axis)
-  {
-    extent[2 * axis] = std::min(extent[2 * axis], whole[2 * axis]);
-    extent[2 * axis + 1] = std::max(extent[2 * axis + 1], whole[2 * axis + 1]);
-  }
-  return { MakeGridGeometry(image, extent), leaf.Lines, hasWhole, leaf.Block,
-    [source = leaf.Source, array](const GridGeometry& grid)
-    { return MakePiece(grid, source, array); } };
-}
-
-Result<MemoryImages> DescribeImages(vtkDataObject* input, vtkInformation* inputInfo,
-  const ArrayFinder& findArray, std::vector<ImagePieces::Source>& sources)
-{
-  ISOSURFACE_ASSIGN_OR_RETURN(std::vector<Leaf> leaves, FindImages(input));
+  using Keys = vtkStreamingDemandDrivenPipeline;
+  vtkDataObject* input = vtkDataObject::GetData(inInfo);
   MemoryImages images;
-  images.AreThere = !leaves.empty();
-  for (Leaf& leaf : leaves)
+  const auto add = [&](vtkDataObject* data, const BlockPath& block) -> Status
   {
-    vtkImageData* image = leaf.Source.Image;
-    ISOSURFACE_ASSIGN_OR_RETURN(vtkDataArray * array, findArray(image));
+    auto* lined = vtkRectilinearGrid::SafeDownCast(data);
+    ImagePieces::Source source{ vtkImageData::SafeDownCast(data), nullptr, 0 };
+    if (!source.Image && !lined)
+    {
+      return { StatusCode::InvalidArgument,
+        std::string("the input has a ") + data->GetClassName() +
+          ", but only image data and rectilinear grids can be contoured here: take Contour, or put "
+          "Resample To Image in front" };
+    }
+    if (vtkDataSet::SafeDownCast(data)->GetNumberOfPoints() == 0)
+    {
+      return Status::Ok();
+    }
+    images.AreThere = true;
+    MemoryImage image{ {}, {}, false, block, {} };
+    if (lined)
+    {
+      source.Owner = MakeStructuredImage(lined);
+      source.Image = source.Owner;
+      image.Lines = MakeGridLines(lined);
+    }
+    image.Grid = MakeGridGeometry(source.Image, source.Image->GetExtent());
+    if (image.Lines)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(image.Lines->Check(image.Grid.GetDimensions()));
+    }
+    int whole[6];
+    bool hasWhole = FindWholeExtent(source.Image, whole);
+    if (source.Image == input && inInfo->Has(Keys::WHOLE_EXTENT()))
+    {
+      inInfo->Get(Keys::WHOLE_EXTENT(), whole);
+      hasWhole = true;
+    }
+    if (hasWhole)
+    {
+      image.Declare(whole);
+    }
+    ISOSURFACE_ASSIGN_OR_RETURN(vtkDataArray * array, findArray(source.Image));
     if (array)
     {
-      leaf.Source.Time = FindImageTime(inputInfo, image);
-      images.Images.push_back(DescribeLeaf(leaf, array, image == input, inputInfo));
-      sources.push_back(leaf.Source);
+      source.Time = FindImageTime(inInfo, source.Image);
+      image.MakePiece = [source, array](const GridGeometry& grid) -> Result<MemoryPiece>
+      {
+        ISOSURFACE_ASSIGN_OR_RETURN(auto samples, MakeImageSamples(grid, source.Image, array));
+        Fingerprint identity;
+        identity.AddNumber(reinterpret_cast<std::uintptr_t>(samples.Array.Get()));
+        identity.AddNumber(std::max(source.Time, samples.Array->GetMTime()));
+        return MemoryPiece{ 0, std::move(samples.Components), samples.Hidden, {}, identity.Get(),
+          std::make_shared<vtkSmartPointer<vtkDataArray>>(samples.Array) };
+      };
+      images.Images.push_back(std::move(image));
+      sources.push_back(source);
     }
-  }
+    return Status::Ok();
+  };
+  ISOSURFACE_RETURN_IF_ERROR(VisitLeaves(input, {}, add));
   return images;
-}
-
-// Gives a piece the arrays of these names to interpolate.
-Result<std::vector<InterpolatedArray>> AddAttributesTo(MemoryPiece& piece,
-  const ImagePieces::Source& source, const std::vector<std::string>& names, CellAverages& averages,
-  int threads)
-{
-  using Owners = std::pair<std::shared_ptr<const void>, std::vector<vtkSmartPointer<vtkDataArray>>>;
-  const auto owners = std::make_shared<Owners>();
-  owners->first = std::exchange(piece.Owner, owners);
-  std::vector<InterpolatedArray> arrays;
-  for (const std::string& name : names)
-  {
-    vtkDataArray* array = source.Image->GetPointData()->GetArray(name.c_str());
-    vtkDataArray* cells = source.Image->GetCellData()->GetArray(name.c_str());
-    if (!array && cells)
-    {
-      ISOSURFACE_ASSIGN_OR_RETURN(array, averages.Find(source.Image, source.Time, cells, threads));
-    }
-    if (!array || array->GetNumberOfTuples() != source.Image->GetNumberOfPoints())
-    {
-      return Status(StatusCode::NotFound,
-        "the input has no numeric point array or cell array \"" + name +
-          "\" to interpolate everywhere");
-    }
-    ISOSURFACE_ASSIGN_OR_RETURN(const ValueType type, GetValueTypeOf(array));
-    owners->second.push_back(MakePlainArray(array));
-    InterpolatedArray description{ name, {}, { type, array->GetNumberOfComponents() } };
-    for (int n = 0; array->HasAComponentName() && n < array->GetNumberOfComponents(); ++n)
-    {
-      const char* componentName = array->GetComponentName(n);
-      description.ComponentNames.emplace_back(componentName ? componentName : "");
-    }
-    const SampleView& scalars = piece.Components.front();
-    AttributeView view{ MakeComponentViews(owners->second.back(), type, scalars.Available) };
-    for (SampleView& component : view.Components)
-    {
-      component.Box = scalars.Box;
-    }
-    arrays.push_back(std::move(description));
-    piece.Attributes.push_back(std::move(view));
-  }
-  return arrays;
 }
 
 } // namespace
 
-Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* inInfo,
-  const ArrayChooser& choose, const std::string& name, int component, CellAverages& averages,
-  int threads)
+Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkAlgorithm& filter,
+  vtkInformation* inInfo, int component, CellAverages& averages, int threads)
 {
   vtkDataObject* input = vtkDataObject::GetData(inInfo);
-  const auto find = [&](vtkImageData* image)
+  ImagePieces pieces;
+  const auto find = [&](vtkImageData* image) -> Result<vtkDataArray*>
   {
     int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
-    vtkDataArray* array = choose(image, association);
-    return TakeContouredArray(inInfo, image, array, association, component, averages, threads);
+    vtkDataArray* array = ChosenArray::Find(filter, image, association);
+    if (!array)
+    {
+      return array;
+    }
+    const std::string name = array->GetName() ? array->GetName() : "";
+    pieces.ArrayName = name.empty() ? pieces.ArrayName : name;
+    if (!FindChosenComponent(array->GetNumberOfComponents(), component))
+    {
+      return MakeComponentError(name, array->GetNumberOfComponents(), component);
+    }
+    if (association == vtkDataObject::FIELD_ASSOCIATION_CELLS)
+    {
+      return averages.Find(image, FindImageTime(inInfo, image), array, threads);
+    }
+    return association == vtkDataObject::FIELD_ASSOCIATION_POINTS
+      ? Result<vtkDataArray*>(array)
+      : Status(StatusCode::InvalidArgument,
+          "array \"" + name + "\" is neither a point array nor a cell array");
   };
-  ImagePieces pieces;
   auto collected = CollectedGrids::Collect(
-    ranks, [&] { return DescribeImages(input, inInfo, find, pieces.Sources); }, threads);
+    ranks, [&] { return DescribeImages(inInfo, find, pieces.Sources); }, threads);
   if (collected.GetStatus().GetCode() == StatusCode::NotFound)
   {
-    return MakeMissingArrayError(input, name);
+    return MakeMissingArrayError(input, FindContouredName(filter));
   }
   ISOSURFACE_RETURN_IF_ERROR(collected.GetStatus());
   const auto nameBlocks = [&]
@@ -355,9 +287,16 @@ Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* 
   return pieces;
 }
 
-bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo)
+std::string FindContouredName(vtkAlgorithm& filter)
 {
-  const int association = array->Get(vtkDataObject::FIELD_ASSOCIATION());
+  vtkInformation* array = filter.GetInputArrayInformation(0);
+  return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
+}
+
+bool IsCellArrayChosen(vtkAlgorithm& filter, vtkInformation* inInfo)
+{
+  const int association =
+    filter.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION());
   const auto hasScalars = [inInfo](int ofWhat)
   {
     return vtkDataObject::GetActiveFieldInformation(
@@ -369,12 +308,14 @@ bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo)
       hasScalars(vtkDataObject::FIELD_ASSOCIATION_CELLS));
 }
 
-std::string FindContouredUnit(
-  vtkDataObject* input, const std::function<vtkDataArray*(vtkDataSet*)>& choose)
+std::string FindContouredUnit(vtkAlgorithm& filter)
 {
+  vtkDataObject* input =
+    filter.GetNumberOfInputConnections(0) > 0 ? filter.GetInputDataObject(0, 0) : nullptr;
   for (vtkDataSet* data : vtkCompositeDataSet::GetDataSets<vtkDataSet>(input))
   {
-    vtkDataArray* array = choose(data);
+    int association = 0;
+    vtkDataArray* array = ChosenArray::Find(filter, data, association);
     const std::string unit = array ? GetUnitOf(array) : "";
     if (!unit.empty())
     {
@@ -391,21 +332,47 @@ std::string FindContouredUnit(
 Result<std::vector<InterpolatedArray>> AddAttributes(
   ImagePieces& pieces, const std::vector<std::string>& names, CellAverages& averages, int threads)
 {
+  using Owners = std::pair<std::shared_ptr<const void>, std::vector<vtkSmartPointer<vtkDataArray>>>;
   std::vector<InterpolatedArray> all;
   for (std::size_t number = 0; number < pieces.Pieces.size(); ++number)
   {
-    ISOSURFACE_ASSIGN_OR_RETURN(auto arrays,
-      AddAttributesTo(
-        pieces.Pieces[number], pieces.Sources[pieces.Images[number]], names, averages, threads));
-    if (number == 0)
+    MemoryPiece& piece = pieces.Pieces[number];
+    const ImagePieces::Source& source = pieces.Sources[pieces.Images[number]];
+    const auto owners = std::make_shared<Owners>();
+    owners->first = std::exchange(piece.Owner, owners);
+    std::vector<InterpolatedArray> arrays;
+    for (const std::string& name : names)
     {
-      all = std::move(arrays);
+      vtkDataArray* array = source.Image->GetPointData()->GetArray(name.c_str());
+      vtkDataArray* cells = source.Image->GetCellData()->GetArray(name.c_str());
+      if (!array && cells)
+      {
+        ISOSURFACE_ASSIGN_OR_RETURN(
+          array, averages.Find(source.Image, source.Time, cells, threads));
+      }
+      if (!array || array->GetNumberOfTuples() != source.Image->GetNumberOfPoints())
+      {
+        return Status(StatusCode::NotFound,
+          "the input has no numeric point array or cell array \"" + name +
+            "\" to interpolate everywhere");
+      }
+      ISOSURFACE_ASSIGN_OR_RETURN(const ValueType type, GetValueTypeOf(array));
+      owners->second.push_back(MakePlainArray(array));
+      piece.AddAttribute(
+        { MakeComponentViews(owners->second.back(), type, piece.Components.front().Available) });
+      arrays.push_back({ name, {}, { type, array->GetNumberOfComponents() } });
+      for (int n = 0; array->HasAComponentName() && n < array->GetNumberOfComponents(); ++n)
+      {
+        const char* component = array->GetComponentName(n);
+        arrays.back().ComponentNames.emplace_back(component ? component : "");
+      }
     }
-    else if (arrays != all)
+    if (number > 0 && arrays != all)
     {
       return Status(StatusCode::InvalidArgument,
         "the arrays to interpolate are not of the same types in all images of the input");
     }
+    all = number == 0 ? std::move(arrays) : all;
   }
   return all;
 }

@@ -11,13 +11,10 @@
 #include "Surface/Pieces/CollectedGrids.h"
 #include "SurfacePolyData.h"
 
-#include <functional>
 #include <string>
 #include <vector>
 
-class vtkDataArray;
-class vtkDataObject;
-class vtkDataSet;
+class vtkAlgorithm;
 class vtkImageData;
 class vtkInformation;
 
@@ -39,25 +36,20 @@ struct ImagePieces : CollectedGrids
   std::vector<Source> Sources; ///< of this rank's images (CollectedGrids::Images)
   /// Of Paths, "" without a name; the same on all ranks that have the blocks.
   std::vector<std::string> BlockNames;
+  std::string ArrayName; ///< of the contoured array, if this rank has one with a name
 };
 
-/// Gives the array of an image that is to be contoured, or null, and its association, as
-/// vtkAlgorithm::GetInputArrayToProcess does.
-using ArrayChooser = std::function<vtkDataArray*(vtkImageData* image, int& association)>;
-
 /**
- * Collects the array to contour of a vtkImageData or a vtkRectilinearGrid, or of all of these in a composite,
- * over all ranks: point arrays themselves, and the averages of cell arrays. Images without points, or within
- * a composite without the array, are left out. Collective.
+ * Collects the array that a filter contours of a vtkImageData or a vtkRectilinearGrid, or of all of these in a
+ * composite, over all ranks: point arrays themselves, and the averages of cell arrays. Images without points, or
+ * within a composite without the array, are left out. Collective.
  *
  * Errors: those of AverageToPoints; InvalidArgument for a dataset of another kind, lines that do not ascend,
- * an array without the chosen component, or of neither points nor cells; NotFound if no image has the array
- * `name`, or any array if it is empty, which tells what cell arrays there are instead. An error may be this
- * rank's alone.
+ * an array without the chosen component, or of neither points nor cells; NotFound if no image has the array,
+ * which tells what cell arrays there are instead. An error may be this rank's alone.
  */
-Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* inInfo,
-  const ArrayChooser& choose, const std::string& name, int component, CellAverages& averages,
-  int threads);
+Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkAlgorithm& filter,
+  vtkInformation* inInfo, int component, CellAverages& averages, int threads);
 
 /// Gives the pieces of this rank the arrays of these names to interpolate: point arrays, and averages of
 /// cell arrays where there is no point array of the name. Errors: NotFound for an image without one of the
@@ -66,15 +58,15 @@ Result<ImagePieces> CollectContouredPieces(Communicator& ranks, vtkInformation* 
 Result<std::vector<InterpolatedArray>> AddAttributes(
   ImagePieces& pieces, const std::vector<std::string>& names, CellAverages& averages, int threads);
 
-/// Whether the array that is to be contoured is one of cells, as far as this can be told before
-/// there is data. `array` is the filter's GetInputArrayInformation().
-bool IsCellArrayChosen(vtkInformation* array, vtkInformation* inInfo);
+/// The name of the array that a filter is to contour; empty for the active scalars.
+std::string FindContouredName(vtkAlgorithm& filter);
 
-/// The unit of an array's values: vtkDataArray::UNITS_LABEL, else "HU" (Hounsfield) if that is the array's
-/// name; empty if it is not known.
-/// The unit of the values of the array that a filter contours, as the first dataset of its input tells it.
-std::string FindContouredUnit(
-  vtkDataObject* input, const std::function<vtkDataArray*(vtkDataSet*)>& choose);
+/// Whether that array is one of cells, as far as this can be told before there is data.
+bool IsCellArrayChosen(vtkAlgorithm& filter, vtkInformation* inInfo);
+
+/// The unit of its values, of the first dataset of the input that tells one: vtkDataArray::UNITS_LABEL, else "HU"
+/// (Hounsfield) if that is the array's name; empty if it is not known.
+std::string FindContouredUnit(vtkAlgorithm& filter);
 
 } // namespace isosurface
 

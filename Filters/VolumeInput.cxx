@@ -53,28 +53,19 @@ Status VolumeInput::GetStatus() const
 
 std::vector<CommonValue> VolumeInput::MakeCommonValues() const
 {
+  // Images have the time steps of their source.
+  const auto key = vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP();
+  Fingerprint time;
+  time.AddNumber(this->Info->Has(key) ? 1 : 0);
+  time.AddReal(this->Info->Has(key) ? this->Info->Get(key) : 0);
   return {
     { this->Handle ? 1U : 0U,
       "some ranks have a blocked volume at the input of the filter, and some have images" },
     this->Handle ? this->Handle->MakeCommonValue() : CommonValue{ 0, "" },
-    { this->GetRequestedTime(), "the ranks ask for different time steps" },
+    { this->Handle ? this->GetTimeStep() : time.Get(), "the ranks ask for different time steps" },
     { this->GetVolume() && this->GetVolume()->HasLocalStores() ? 1U : 0U,
       "LocalStores of the reader is not the same on all ranks" },
   };
-}
-
-std::uint64_t VolumeInput::GetRequestedTime() const
-{
-  if (this->Handle)
-  {
-    return this->GetTimeStep();
-  }
-  // Images have the time steps of their source.
-  Fingerprint fingerprint;
-  const auto key = vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP();
-  fingerprint.AddNumber(this->Info->Has(key) ? 1 : 0);
-  fingerprint.AddReal(this->Info->Has(key) ? this->Info->Get(key) : 0);
-  return fingerprint.Get();
 }
 
 std::shared_ptr<BlockedVolume> VolumeInput::GetVolume() const
@@ -192,12 +183,8 @@ Status ReadVolume(vtkAlgorithm& filter, Communicator& ranks, const VolumeInput& 
       const Status unchanged = volume.CheckSource(input.GetTimeStep());
       return unchanged.IsOk() ? read() : unchanged;
     });
-  if (IsAborted(filter))
-  {
-    status = Status(StatusCode::Aborted, "reading was aborted");
-  }
   ISOSURFACE_ASSIGN_OR_RETURN(const auto news, volume.ShareStoreFaults(ranks));
-  status = ranks.Agree(status);
+  status = AgreeOnEnd(filter, ranks, status);
   ReportWarning(&filter, ranks, status, news.Warning);
   return status;
 }

@@ -49,8 +49,6 @@ public:
 
 private:
   bool IsLeftOut(const std::string& name) const;
-  /// The same on all ranks that ask for the same time.
-  std::uint64_t GetRequestedTime() const;
 
   vtkInformation* Info;
   vtkBlockedVolumeHandle* Handle;

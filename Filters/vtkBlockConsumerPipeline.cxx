@@ -11,9 +11,6 @@
 
 vtkStandardNewMacro(vtkBlockConsumerPipeline);
 
-vtkBlockConsumerPipeline::vtkBlockConsumerPipeline() = default;
-vtkBlockConsumerPipeline::~vtkBlockConsumerPipeline() = default;
-
 int vtkBlockConsumerPipeline::ForwardUpstream(vtkInformation* request)
 {
   const auto* filter = vtkDistributeIsosurface::SafeDownCast(this->Algorithm);

@@ -24,8 +24,8 @@ public:
   vtkTypeMacro(vtkBlockConsumerPipeline, vtkCompositeDataPipeline);
 
 protected:
-  vtkBlockConsumerPipeline();
-  ~vtkBlockConsumerPipeline() override;
+  vtkBlockConsumerPipeline() = default;
+  ~vtkBlockConsumerPipeline() override = default;
 
   using vtkCompositeDataPipeline::ForwardUpstream;
   int ForwardUpstream(vtkInformation* request) override;

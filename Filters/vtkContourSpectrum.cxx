@@ -7,14 +7,11 @@
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
-#include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
 #include "vtkDoubleArray.h"
-#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkSmartPointer.h"
 #include "vtkTable.h"
@@ -31,8 +28,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,11 +37,7 @@
 vtkStandardNewMacro(vtkContourSpectrum);
 vtkCxxSetObjectMacro(vtkContourSpectrum, Controller, vtkMultiProcessController);
 
-using isosurface::MemorySpectrum;
-using isosurface::SpectrumBins;
-using isosurface::Status;
-using isosurface::StatusCode;
-using isosurface::WorkloadSpectrum;
+using namespace isosurface;
 
 namespace
 {
@@ -53,115 +46,63 @@ constexpr const char* NoSpectrum = "the spectrum cannot be made";
 constexpr const char* IsovalueName = "Isovalue";
 constexpr const char* Names[WorkloadSpectrum::NumberOfQuantities] = { "Triangles", "ActiveCells",
   "ActiveBlocks", "Bytes", "Area", "Volume" };
-constexpr std::size_t Area = 4;
-constexpr std::size_t Volume = 5;
+constexpr std::size_t Area = 4; // it and what follows are no whole numbers
+constexpr double None = std::numeric_limits<double>::quiet_NaN();
 
-/// The sum of a quantity over spectra, areas and volumes in the units of the world; nothing if one of them does
+/// Adds the sum of a quantity over spectra of equal bins, whose units may differ; nothing if one of them does
 /// not know it.
-void AddQuantity(const std::vector<const WorkloadSpectrum*>& spectra, std::size_t quantity,
+void AddQuantity(const std::vector<WorkloadSpectrum>& spectra, std::size_t quantity,
   const std::string& suffix, vtkTable* table)
 {
-  static_assert(Volume + 1 == WorkloadSpectrum::NumberOfQuantities, "Area and Volume are the last");
-  std::vector<double> sums(spectra.front()->Bins.Count);
-  for (const WorkloadSpectrum* spectrum : spectra)
+  std::vector<double> sums(spectra.front().Bins.Count);
+  for (const WorkloadSpectrum& spectrum : spectra)
   {
-    const WorkloadSpectrum::Counts& counts = *spectrum->GetQuantities()[quantity];
-    if (counts.size() != sums.size())
+    const std::vector<double> values = spectrum.Scale(*spectrum.GetQuantities()[quantity]);
+    if (values.size() != sums.size())
     {
       return;
     }
-    const double unit = quantity == Area ? spectrum->AreaUnit
-      : quantity == Volume               ? spectrum->VolumeUnit
-                                         : 1;
-    std::transform(counts.begin(), counts.end(), sums.begin(), sums.begin(),
-      [unit](std::uint64_t count, double sum) { return sum + static_cast<double>(count) * unit; });
+    std::transform(values.begin(), values.end(), sums.begin(), sums.begin(), std::plus<>());
   }
-  const auto column = vtkSmartPointer<vtkDataArray>::Take(
-    vtkDataArray::CreateDataArray(quantity < Area ? VTK_ID_TYPE : VTK_DOUBLE));
-  column->SetName((Names[quantity] + suffix).c_str());
-  isosurface::AllocateTuples(column, static_cast<vtkIdType>(sums.size()));
-  for (std::size_t bin = 0; bin < sums.size(); ++bin)
-  {
-    column->SetComponent(static_cast<vtkIdType>(bin), 0, sums[bin]);
-  }
-  table->AddColumn(column);
+  table->AddColumn(
+    MakeColumn(Names[quantity] + suffix, quantity < Area ? VTK_ID_TYPE : VTK_DOUBLE, sums));
 }
 
-/// Adds the column of isovalues and one column for each known quantity: the sum of the spectra,
-/// which have equal bins (their units may differ).
+/// Adds the column of isovalues and one column for each quantity.
 void AddSpectrumColumns(const std::vector<WorkloadSpectrum>& spectra, vtkTable* table)
 {
   if (spectra.empty())
   {
     return;
   }
-  const SpectrumBins& bins = spectra.front().Bins;
-  vtkNew<vtkDoubleArray> isovalues;
-  isovalues->SetName(IsovalueName);
-  isosurface::AllocateTuples(isovalues, bins.Count);
-  for (std::uint32_t bin = 0; bin < bins.Count; ++bin)
-  {
-    isovalues->SetValue(bin, bins.GetEdge(bin));
-  }
-  table->AddColumn(isovalues);
-  std::vector<const WorkloadSpectrum*> all;
-  for (const WorkloadSpectrum& spectrum : spectra)
-  {
-    all.push_back(&spectrum);
-  }
+  table->AddColumn(MakeColumn(IsovalueName, VTK_DOUBLE, spectra.front().Bins.GetEdges()));
   for (std::size_t quantity = 0; quantity < WorkloadSpectrum::NumberOfQuantities; ++quantity)
   {
-    AddQuantity(all, quantity, "", table);
-  }
-}
-
-/// Fills an array with the table's rows as tuples: the isovalue, then each quantity, NaN where the
-/// table has no column of it. Columns of stores are left out.
-void FillSpectrumTuples(vtkTable* table, vtkDoubleArray* tuples)
-{
-  constexpr int columns = 1 + static_cast<int>(WorkloadSpectrum::NumberOfQuantities);
-  tuples->SetNumberOfComponents(columns);
-  tuples->SetNumberOfTuples(table->GetNumberOfRows());
-  tuples->Fill(std::numeric_limits<double>::quiet_NaN());
-  for (int column = 0; column < columns; ++column)
-  {
-    const char* name = column == 0 ? IsovalueName : Names[column - 1];
-    if (auto* values = vtkDataArray::SafeDownCast(table->GetColumnByName(name)))
-    {
-      tuples->CopyComponent(column, values, 0);
-    }
+    AddQuantity(spectra, quantity, "", table);
   }
 }
 
 } // namespace
 
-struct vtkContourSpectrum::Steps
+struct vtkContourSpectrum::Work
 {
   vtkContourSpectrum& Filter;
-  isosurface::Communicator& Ranks;
-  vtkTable* Table;
+  MemorySpectrum Spectra{}; ///< of images
+  FieldRefinement Levels{};
 
   /// What decides about the way that all ranks go, and about the spectrum.
-  std::vector<isosurface::CommonValue> MakeCommonValues(const isosurface::VolumeInput& input) const;
-  std::string GetArrayName() const;
+  std::vector<CommonValue> MakeCommonValues(const VolumeInput& input) const;
   /// Fills the table of the first rank with the spectra that the volume has.
-  Status ReadFromVolume(const isosurface::VolumeInput& input) const;
+  Status ReadFromVolume(const Communicator& ranks, const VolumeInput& input, vtkTable* table);
   /// Fills it with the spectra of images that all ranks have pieces of, or begins to count these beside
   /// this thread. Collective.
-  Status CountInImages(vtkInformation* inInfo) const;
-};
-
-/// The spectra of images.
-struct vtkContourSpectrum::OfImages
-{
-  MemorySpectrum Spectra;
-  isosurface::FieldRefinement Levels;
+  Status CountInImages(Communicator& ranks, vtkInformation* inInfo, vtkTable* table);
 };
 
 vtkContourSpectrum::vtkContourSpectrum()
   : Refinement(isosurface::Refinement().ToValues())
-  , Proposal(std::numeric_limits<double>::quiet_NaN())
-  , Images(std::make_unique<OfImages>())
+  , Proposal(None)
+  , Internals(new Work{ *this })
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
   this->SetInputArrayToProcess(
@@ -182,7 +123,19 @@ int vtkContourSpectrum::FillInputPortInformation(int, vtkInformation* info)
 
 vtkDoubleArray* vtkContourSpectrum::GetSpectrum()
 {
-  FillSpectrumTuples(this->GetOutput(), this->Spectrum);
+  constexpr int columns = 1 + static_cast<int>(WorkloadSpectrum::NumberOfQuantities);
+  vtkTable* table = this->GetOutput();
+  this->Spectrum->SetNumberOfComponents(columns);
+  this->Spectrum->SetNumberOfTuples(table->GetNumberOfRows());
+  this->Spectrum->Fill(None);
+  for (int column = 0; column < columns; ++column)
+  {
+    const char* name = column == 0 ? IsovalueName : Names[column - 1];
+    if (auto* values = vtkDataArray::SafeDownCast(table->GetColumnByName(name)))
+    {
+      this->Spectrum->CopyComponent(column, values, 0);
+    }
+  }
   return this->Spectrum;
 }
 
@@ -191,8 +144,8 @@ int vtkContourSpectrum::RequestUpdateExtent(
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   // Averages of cells at the border of a piece need one cell beyond it. The spectrum of a volume is stored.
-  const bool ofCells = isosurface::IsCellArrayChosen(this->GetInputArrayInformation(0), inInfo);
-  isosurface::AskVolume(*this, inInfo, output->GetInformationObject(0), ofCells ? 1 : 0);
+  AskVolume(
+    *this, inInfo, output->GetInformationObject(0), IsCellArrayChosen(*this, inInfo) ? 1 : 0);
   return 1;
 }
 
@@ -210,157 +163,127 @@ int vtkContourSpectrum::RequestData(
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkTable* table = vtkTable::GetData(output, 0);
-  const isosurface::VolumeInput volume(inInfo);
-  isosurface::ReleaseVolume(*this, inInfo);
+  const VolumeInput volume(inInfo);
+  ReleaseVolume(*this, inInfo);
 
-  this->Proposal = std::numeric_limits<double>::quiet_NaN();
+  Work& work = *this->Internals;
+  this->Proposal = None;
   this->Refinement = isosurface::Refinement().ToValues();
-  this->Images->Levels.SetShown(false, 0, 0);
-  isosurface::ControllerCommunicator ranks(this->Controller);
-  const Steps steps = { *this, ranks, table };
+  work.Levels.SetShown(false, 0, 0);
+  ControllerCommunicator ranks(this->Controller);
   // All go one way, that of volumes or that of images.
-  Status status = ranks.Agree(volume.GetStatus(), steps.MakeCommonValues(volume));
+  Status status = ranks.Agree(volume.GetStatus(), work.MakeCommonValues(volume));
   if (status.IsOk())
   {
-    status = isosurface::RunCollective(NoSpectrum,
+    status = RunCollective(NoSpectrum,
       [&]
       {
         return volume
-          ? isosurface::Attempt(NoSpectrum, [&] { return steps.ReadFromVolume(volume); })
-          : steps.CountInImages(inInfo);
+          ? Attempt(NoSpectrum, [&] { return work.ReadFromVolume(ranks, volume, table); })
+          : work.CountInImages(ranks, inInfo, table);
       });
   }
-  if (isosurface::IsAborted(*this))
-  {
-    // Outweighs an error, such as that of a reader that was stopped before it had a volume.
-    status = Status(StatusCode::Aborted, "the spectrum was aborted");
-  }
-  status = ranks.Agree(status);
-  if (status.IsOk())
-  {
-    return 1;
-  }
-  table->Initialize();
-  return isosurface::EndExecution(this, output, status);
+  return EndExecution(this, output, AgreeOnEnd(*this, ranks, status));
 }
 
-std::vector<isosurface::CommonValue> vtkContourSpectrum::Steps::MakeCommonValues(
-  const isosurface::VolumeInput& input) const
+std::vector<CommonValue> vtkContourSpectrum::Work::MakeCommonValues(const VolumeInput& input) const
 {
-  isosurface::Fingerprint properties;
-  properties.AddText(this->GetArrayName());
-  properties.AddNumber(static_cast<std::uint64_t>(
-    this->Filter.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION())));
-  properties.AddNumber(static_cast<std::uint64_t>(this->Filter.Component));
-  properties.AddNumber(static_cast<std::uint64_t>(this->Filter.StoreQuantity));
-  std::vector<isosurface::CommonValue> values = input.MakeCommonValues();
+  Fingerprint properties;
+  properties.AddText(FindContouredName(this->Filter));
+  for (const int number : { this->Filter.Component, this->Filter.StoreQuantity,
+         this->Filter.GetInputArrayInformation(0)->Get(vtkDataObject::FIELD_ASSOCIATION()) })
+  {
+    properties.AddNumber(static_cast<std::uint64_t>(number));
+  }
+  std::vector<CommonValue> values = input.MakeCommonValues();
   values.push_back(
     { properties.Get(), "the properties of the spectrum filter are not the same on all ranks" });
   return values;
 }
 
-std::string vtkContourSpectrum::Steps::GetArrayName() const
+Status vtkContourSpectrum::Work::ReadFromVolume(
+  const Communicator& ranks, const VolumeInput& input, vtkTable* table)
 {
-  vtkInformation* array = this->Filter.GetInputArrayInformation(0);
-  return array->Has(vtkDataObject::FIELD_NAME()) ? array->Get(vtkDataObject::FIELD_NAME()) : "";
-}
-
-Status vtkContourSpectrum::Steps::ReadFromVolume(const isosurface::VolumeInput& input) const
-{
-  this->Filter.Images->Levels.DropPrepared();
-  if (this->Ranks.GetRank() != 0)
+  this->Levels.DropPrepared();
+  if (ranks.GetRank() != 0)
   {
     return Status::Ok();
   }
-  ISOSURFACE_ASSIGN_OR_RETURN(
-    const auto variable, input.FindVariable(this->GetArrayName(), this->Filter.Component));
-  isosurface::BlockedVolume& volume = *input.GetVolume();
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto variable,
+    input.FindVariable(FindContouredName(this->Filter), this->Filter.Component));
+  BlockedVolume& volume = *input.GetVolume();
   const std::size_t step = input.GetTimeStep();
   ISOSURFACE_ASSIGN_OR_RETURN(const auto total, volume.GetSpectrum(step, variable));
-  this->Filter.Proposal =
-    isosurface::ProposeIsovalue(*total).value_or(std::numeric_limits<double>::quiet_NaN());
-  AddSpectrumColumns({ *total }, this->Table);
+  this->Filter.Proposal = ProposeIsovalue(*total).value_or(None);
+  AddSpectrumColumns({ *total }, table);
   const int quantity = this->Filter.StoreQuantity;
   const std::uint32_t stores = quantity < 0 ? 0 : volume.GetHeader().NumberOfStores;
   for (std::uint32_t store = 0; store < stores; ++store)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(
       const auto spectrum, volume.GetStoreSpectrum(step, variable, store));
-    AddQuantity({ spectrum.get() }, static_cast<std::size_t>(quantity),
-      "[" + std::to_string(store) + "]", this->Table);
+    AddQuantity(
+      { *spectrum }, static_cast<std::size_t>(quantity), "[" + std::to_string(store) + "]", table);
   }
   return Status::Ok();
 }
 
-Status vtkContourSpectrum::Steps::CountInImages(vtkInformation* inInfo) const
+Status vtkContourSpectrum::Work::CountInImages(
+  Communicator& ranks, vtkInformation* inInfo, vtkTable* table)
 {
-  const int threads = this->Ranks.ChooseThreads(this->Filter.NumberOfThreads);
-  isosurface::CellAverages averages;
-  auto pieces = isosurface::CollectContouredPieces(
-    this->Ranks, inInfo,
-    [this](vtkImageData* image, int& association)
-    { return this->Filter.GetInputArrayToProcess(0, image, association); },
-    this->GetArrayName(), this->Filter.Component, averages, threads);
-  MemorySpectrum& spectra = this->Filter.Images->Spectra;
-  isosurface::FieldRefinement& levels = this->Filter.Images->Levels;
+  const int threads = ranks.ChooseThreads(this->Filter.NumberOfThreads);
+  CellAverages averages;
+  auto pieces =
+    CollectContouredPieces(ranks, this->Filter, inInfo, this->Filter.Component, averages, threads);
   if (pieces.IsOk())
   {
-    spectra.Ask(std::move(*pieces), this->Filter.Component, threads,
+    this->Spectra.Ask(std::move(*pieces), this->Filter.Component, threads,
       static_cast<std::uint64_t>(this->Filter.SamplesAtOnce));
   }
   if (this->Filter.ProposesAlone)
   {
-    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(pieces.GetStatus()));
-    ISOSURFACE_ASSIGN_OR_RETURN(this->Filter.Proposal, spectra.Propose(this->Ranks));
+    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(pieces.GetStatus()));
+    ISOSURFACE_ASSIGN_OR_RETURN(this->Filter.Proposal, this->Spectra.Propose(ranks));
     return Status::Ok();
   }
-  isosurface::RefinementRequest wanted;
-  wanted.MayBeCoarse = this->Filter.SamplesAtOnce < VTK_INT_MAX;
-  wanted.Change = this->Filter.GetMTime();
+  const RefinementRequest wanted = { 0, false, this->Filter.SamplesAtOnce < VTK_INT_MAX, false,
+    this->Filter.GetMTime() };
   ISOSURFACE_ASSIGN_OR_RETURN(
-    const auto choice, levels.Begin(this->Ranks, spectra, wanted, pieces.GetStatus()));
-  Status status;
-  if (choice.IsFinal)
+    const auto choice, this->Levels.Begin(ranks, this->Spectra, wanted, pieces.GetStatus()));
+  const Status counted =
+    choice.IsFinal ? this->Spectra.Count(ranks, MakeProgress(this->Filter)) : Status::Ok();
+  this->Levels.SetShown(counted.IsOk(), choice.Level, 0);
+  ISOSURFACE_RETURN_IF_ERROR(counted);
+  const auto tell = [&]
   {
-    status = spectra.Count(this->Ranks, isosurface::MakeProgress(this->Filter));
-  }
-  levels.SetShown(status.IsOk(), choice.Level, 0);
-  if (!choice.IsFinal)
-  {
-    isosurface::Refinement begins;
-    begins.Stage = isosurface::RefinementStage::Working;
-    this->Filter.Refinement = begins.ToValues();
-  }
-  else if (status.IsOk() && this->Ranks.GetRank() == 0)
-  {
-    status = isosurface::Attempt(NoSpectrum,
-      [&]
-      {
-        AddSpectrumColumns(spectra.GetSpectra(), this->Table);
-        return Status::Ok();
-      });
-  }
-  return status;
-}
-
-void vtkContourSpectrum::CountBeside(int samplesAtOnce)
-{
-  this->SamplesAtOnce = samplesAtOnce;
+    if (!choice.IsFinal)
+    {
+      isosurface::Refinement begins;
+      begins.Stage = RefinementStage::Working;
+      this->Filter.Refinement = begins.ToValues();
+    }
+    else if (ranks.GetRank() == 0)
+    {
+      AddSpectrumColumns(this->Spectra.GetSpectra(), table);
+    }
+    return Status::Ok();
+  };
+  return Attempt(NoSpectrum, tell);
 }
 
 void vtkContourSpectrum::AdvanceCounting(int milliseconds)
 {
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  ControllerCommunicator ranks(this->Controller);
   this->Refinement =
-    this->Images->Levels.Prepare(ranks, milliseconds / 1000.0, this->GetMTime()).ToValues();
+    this->Internals->Levels.Prepare(ranks, milliseconds / 1000.0, this->GetMTime()).ToValues();
 }
 
 void vtkContourSpectrum::TakeCounting()
 {
-  if (this->Images->Levels.Refine(this->GetMTime()))
+  if (this->Internals->Levels.Refine(this->GetMTime()))
   {
     this->Modified();
-    this->Images->Levels.KeepChange(this->GetMTime());
+    this->Internals->Levels.KeepChange(this->GetMTime());
   }
 }
 
@@ -375,9 +298,7 @@ void vtkContourSpectrum::ProposeAlone(vtkTypeBool alone)
 
 const char* vtkContourSpectrum::GetUnit()
 {
-  this->Unit = isosurface::FindContouredUnit(
-    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr,
-    [this](vtkDataSet* data) { return this->GetInputArrayToProcess(0, data); });
+  this->Unit = FindContouredUnit(*this);
   return this->Unit.c_str();
 }
 

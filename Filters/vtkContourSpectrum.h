@@ -26,7 +26,7 @@
 #include "vtkTableAlgorithm.h"
 
 #include <array>  // For the window
-#include <memory> // For what is counted
+#include <memory> // For the work
 #include <string> // For the unit
 
 class vtkDoubleArray;
@@ -50,84 +50,66 @@ public:
     VOLUME
   };
 
-  /**
-   * Chooses the array, as for any algorithm; but rows of tables are passed over, and the choice made
-   * before stays. ParaView's Python proposes them while a table is the active source.
-   */
+  /// Chooses the array, as for any algorithm; but rows of tables are passed over, and the choice made
+  /// before stays. ParaView's Python proposes them while a table is the active source.
   using Superclass::SetInputArrayToProcess;
   void SetInputArrayToProcess(
     int index, int port, int connection, int association, const char* name) override;
 
   ///@{
-  /**
-   * The component of an array that is measured, or, if it is the number of components, the
-   * magnitude. Default 0. No effect on arrays of one component.
-   */
+  /// The component of an array that is measured, or, if it is the number of components, the
+  /// magnitude. Default 0. No effect on arrays of one component.
   vtkSetClampMacro(Component, int, 0, VTK_INT_MAX);
   vtkGetMacro(Component, int);
   ///@}
 
   ///@{
-  /**
-   * The quantity for which each store of a blocked volume gets its own column; -1 (the default):
-   * none.
-   */
+  /// The quantity for which each store of a blocked volume gets its own column; -1 (the default):
+  /// none.
   vtkSetClampMacro(StoreQuantity, int, -1, VOLUME);
   vtkGetMacro(StoreQuantity, int);
   ///@}
 
   ///@{
-  /**
-   * Threads to count with; 0 (the default): this rank's share of the node's cores.
-   */
+  /// Threads to count with; 0 (the default): this rank's share of the node's cores.
   vtkSetClampMacro(NumberOfThreads, int, 0, 4096);
   vtkGetMacro(NumberOfThreads, int);
   ///@}
 
   ///@{
-  /**
-   * The ranks that execute together, the global controller by default. Null: this rank alone.
-   */
+  /// The ranks that execute together, the global controller by default. Null: this rank alone.
   virtual void SetController(vtkMultiProcessController* controller);
   vtkGetObjectMacro(Controller, vtkMultiProcessController);
   ///@}
 
-  /**
-   * The last table as tuples: isovalue, then the quantities in their order, NaN where they are not
-   * known. For clients that want the numbers without the table. Belongs to this.
-   */
+  /// The last table as tuples: isovalue, then the quantities in their order, NaN where they are not
+  /// known. For clients that want the numbers without the table. Belongs to this.
   vtkDoubleArray* GetSpectrum();
 
   ///@{
-  /**
-   * For windows, which must answer meanwhile. An execution over images of more samples than
-   * CountBeside() says gives an empty table. Then AdvanceCounting() has them counted beside the calling
-   * thread, and waits at most `milliseconds`; several ranks count only while all are in it.
-   * Refinement has the values of Ranks/Query/Refinement.h, as the last call found them. When its
-   * stage is Ready, TakeCounting() lets the next execution give the table. None of these is a
-   * property; all ranks must call them. Default: everything is counted at once.
-   */
-  void CountBeside(int samplesAtOnce);
+  /// For windows, which must answer meanwhile. An execution over images of more samples than
+  /// CountBeside() says gives an empty table. Then AdvanceCounting() has them counted beside the calling
+  /// thread, and waits at most `milliseconds`; several ranks count only while all are in it.
+  /// Refinement has the values of Ranks/Query/Refinement.h, as the last call found them. When its
+  /// stage is Ready, TakeCounting() lets the next execution give the table. None of these is a
+  /// property; all ranks must call them. Default: everything is counted at once.
+  void CountBeside(int samplesAtOnce) { this->SamplesAtOnce = samplesAtOnce; }
   void AdvanceCounting(int milliseconds);
   double* GetRefinement() VTK_SIZEHINT(10) { return this->Refinement.data(); }
   void TakeCounting();
   ///@}
 
   ///@{
-  /**
-   * An isovalue to begin with: that which divides the samples into the two classes that differ most, as
-   * round as the range allows; the same whatever the number of ranks. NaN on other ranks than the first
-   * one behind a blocked volume, and if there is none. ProposeAlone makes executions find it alone, from
-   * at most some two million samples of images, and give an empty table for these; without it images
-   * have none.
-   */
+  /// An isovalue to begin with: that which divides the samples into the two classes that differ most, as
+  /// round as the range allows; the same whatever the number of ranks. NaN on other ranks than the first
+  /// one behind a blocked volume, and if there is none. ProposeAlone makes executions find it alone, from
+  /// at most some two million samples of images, and give an empty table for these; without it images
+  /// have none.
   void ProposeAlone(vtkTypeBool alone);
   vtkGetMacro(Proposal, double);
   ///@}
 
-  /**
-   * As vtkStabbingContour's.
-   */
+  /// As vtkStabbingContour's.
   const char* GetUnit();
 
 protected:
@@ -144,8 +126,7 @@ private:
   vtkContourSpectrum(const vtkContourSpectrum&) = delete;
   void operator=(const vtkContourSpectrum&) = delete;
 
-  struct Steps; ///< of RequestData
-  struct OfImages;
+  struct Work; ///< what is kept between executions
 
   int Component = 0;
   int StoreQuantity = -1;
@@ -157,7 +138,7 @@ private:
   bool ProposesAlone = false;
   double Proposal;
   std::string Unit;
-  std::unique_ptr<OfImages> Images;
+  const std::unique_ptr<Work> Internals;
 };
 
 #endif

@@ -15,13 +15,11 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayRanges.h"
-#include "CollectContourBlocks.h"
-#include "ControllerCommunicator.h"
+#include "ContourExecution.h"
 #include "ErrorReport.h"
 #include "ImageSamples.h"
-#include "MatchVTK.h"
+#include "RangedArray.h"
 #include "Ranks/Redistribution/SurfaceExchange.h"
-#include "SurfaceFieldData.h"
 #include "SurfacePolyData.h"
 
 #include <chrono>
@@ -32,13 +30,7 @@
 vtkStandardNewMacro(vtkDistributeIsosurface);
 vtkCxxSetObjectMacro(vtkDistributeIsosurface, Controller, vtkMultiProcessController);
 
-using isosurface::ContourBlocks;
-using isosurface::EdgeIndexHeader;
-using isosurface::Result;
-using isosurface::Status;
-using isosurface::StatusCode;
-using isosurface::Surface;
-using isosurface::SurfaceExchange;
+using namespace isosurface;
 
 namespace
 {
@@ -50,8 +42,7 @@ void AddCost(int rank, const SurfaceExchange& exchange, const Surface& surface, 
   vtkPolyData* output)
 {
   const SurfaceExchange::Cost& cost = exchange.GetCost();
-  const auto add = [output](const char* name, auto value)
-  { isosurface::AddToFieldData(output, name, value); };
+  const auto add = [output](const char* name, auto value) { AddToFieldData(output, name, value); };
   add("Rank", rank);
   add("ExtractedPoints", cost.EncodedPoints);
   add("ReceivedPoints", cost.ReceivedPoints);
@@ -63,7 +54,7 @@ void AddCost(int rank, const SurfaceExchange& exchange, const Surface& surface, 
   add("ExchangeSeconds", cost.ExchangeSeconds);
   add("DecodeSeconds", cost.DecodeSeconds);
   add("Triangles", surface.NumberOfTriangles);
-  add("RawBytes", isosurface::GetSurfaceBytes(surface));
+  add("RawBytes", GetSurfaceBytes(surface));
   add("QuerySeconds", querySeconds);
   vtkLogF(1,
     "Distribute Isosurface: rank %d: %llu points encoded to %llu bytes, %llu bytes sent, %zu "
@@ -105,34 +96,17 @@ Status CheckContour(vtkStabbingContour* contour)
   return Status::Ok();
 }
 
-// The surface that is asked for of the blocks.
-isosurface::ContourRequest MakeRequest(
-  const EdgeIndexHeader& header, const ContourBlocks& blocks, bool polygons)
-{
-  isosurface::ContourRequest request;
-  request.Isovalues = header.Isovalues;
-  request.Normals = blocks.Normals;
-  isosurface::MatchVTK(request);
-  request.Precision = blocks.Precision;
-  request.GlobalIds = true;
-  request.Offsets = true;
-  request.Polygons = polygons;
-  request.Attributes = isosurface::GetLayouts(blocks.Arrays);
-  return request;
-}
-
 } // namespace
 
 struct vtkDistributeIsosurface::Steps
 {
   vtkDistributeIsosurface& Filter;
-  isosurface::Communicator& Ranks;
-  vtkStabbingContour* Contour;
+  Communicator& Ranks;
+  std::chrono::steady_clock::time_point Begin;
 
+  BlockCoding MakeCoding() const;
   /// This rank's piece of the surface. Collective.
-  Status Distribute(vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const;
-  /// What the blocks of all ranks are encoded with. Collective.
-  Result<EdgeIndexHeader> MakeHeader(const ContourBlocks& blocks, int threads) const;
+  Status Distribute(ContourBlocks& blocks, bool withScalars, vtkPolyData* output) const;
 };
 
 vtkDistributeIsosurface::vtkDistributeIsosurface()
@@ -160,7 +134,7 @@ int vtkDistributeIsosurface::RequestData(
 {
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
   vtkStabbingContour* contour = vtkStabbingContour::FindBehind(this->GetInputConnection(0, 0));
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  ControllerCommunicator ranks(this->Controller);
   // Each rank makes the plan of all messages by these.
   Status status = ranks.Agree(CheckContour(contour),
     { { static_cast<std::uint64_t>(this->DrawingRanks), "DrawingRanks differs between the ranks" },
@@ -172,55 +146,44 @@ int vtkDistributeIsosurface::RequestData(
   }
   if (contour && status.IsOk())
   {
-    isosurface::IgnoreAbortedInput(*this);
-    const Steps steps = { *this, ranks, contour };
-    status = isosurface::RunCollective(NotDistributed,
+    IgnoreAbortedInput(*this);
+    const Steps steps = { *this, ranks, std::chrono::steady_clock::now() };
+    vtkInformation* outInfo = output->GetInformationObject(0);
+    std::optional<double> time;
+    if (outInfo->Has(Pipeline::UPDATE_TIME_STEP()))
+    {
+      time = outInfo->Get(Pipeline::UPDATE_TIME_STEP());
+    }
+    const auto distribute = [&](ContourBlocks& blocks)
+    { return steps.Distribute(blocks, contour->GetComputeScalars() != 0, polyData); };
+    status = RunCollective(NotDistributed,
       [&]
       {
-        return isosurface::RunWithContourBlocks(this, ranks,
-          [&](ContourBlocks& blocks)
-          { return steps.Distribute(output->GetInformationObject(0), polyData, blocks); });
+        return ContourExecution::TakeBlocks(
+          this, *contour, ranks, time, { contour->GetComputeNormals() != 0, true }, distribute);
       });
   }
-  if (status.IsOk())
-  {
-    return 1;
-  }
-  polyData->Initialize();
-  return isosurface::EndExecution(this, output, status);
+  return EndExecution(this, output, status);
 }
 
-Result<EdgeIndexHeader> vtkDistributeIsosurface::Steps::MakeHeader(
-  const ContourBlocks& blocks, int threads) const
+BlockCoding vtkDistributeIsosurface::Steps::MakeCoding() const
 {
-  isosurface::BlockCoding coding;
-  coding.Settings.Mode = this->Filter.Mode == LOSSLESS ? isosurface::EdgeIndexMode::Lossless
-    : this->Filter.Mode == BOUNDED                     ? isosurface::EdgeIndexMode::Bounded
-                                                       : isosurface::EdgeIndexMode::Smallest;
+  BlockCoding coding;
+  coding.Settings.Mode = this->Filter.Mode == LOSSLESS ? EdgeIndexMode::Lossless
+    : this->Filter.Mode == BOUNDED                     ? EdgeIndexMode::Bounded
+                                                       : EdgeIndexMode::Smallest;
   coding.Settings.MaximumError = this->Filter.MaximumError;
-  coding.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(this->Filter.Profile);
+  coding.Settings.Profile = static_cast<EdgeIndexProfile>(this->Filter.Profile);
   coding.ArrayError = this->Filter.ArrayError;
   coding.NormalError = this->Filter.NormalError;
-  isosurface::ContourRequest request;
-  isosurface::MatchVTK(request);
-  return isosurface::MakeSurfaceHeader(this->Ranks, blocks, coding, request, threads, {});
+  return coding;
 }
 
 Status vtkDistributeIsosurface::Steps::Distribute(
-  vtkInformation* outInfo, vtkPolyData* output, ContourBlocks& blocks) const
+  ContourBlocks& blocks, bool withScalars, vtkPolyData* output) const
 {
-  const auto begin = std::chrono::steady_clock::now();
-  isosurface::Communicator& ranks = this->Ranks;
-  blocks.Attributes = true;
-  blocks.Normals = this->Contour->GetComputeNormals() != 0;
-  std::optional<double> time;
-  if (outInfo->Has(Pipeline::UPDATE_TIME_STEP()))
-  {
-    time = outInfo->Get(Pipeline::UPDATE_TIME_STEP());
-  }
-  ISOSURFACE_RETURN_IF_ERROR(isosurface::CollectContourBlocks(
-    this->Contour, ranks.GetRank(), ranks.GetSize(), time, blocks));
-  if (blocks.Isovalues.empty())
+  Communicator& ranks = this->Ranks;
+  if (blocks.Request.Isovalues.empty())
   {
     return Status::Ok();
   }
@@ -229,42 +192,34 @@ Status vtkDistributeIsosurface::Steps::Distribute(
   settings.DrawingRanks = this->Filter.DrawingRanks;
   settings.RoundBytes = static_cast<std::uint64_t>(this->Filter.RoundBytes);
   ISOSURFACE_ASSIGN_OR_RETURN(
-    const EdgeIndexHeader header, this->MakeHeader(blocks, settings.Threads));
-  ISOSURFACE_ASSIGN_OR_RETURN(blocks.Arrays, isosurface::ShareArrays(ranks, blocks));
-
-  const isosurface::ContourRequest request =
-    MakeRequest(header, blocks, this->Contour->GetGenerateTriangles() == 0);
-  SurfaceExchange exchange(ranks, header, request, settings);
+    const auto header, MakeSurfaceHeader(ranks, blocks, this->MakeCoding(), settings.Threads, {}));
+  ISOSURFACE_ASSIGN_OR_RETURN(blocks.Arrays, ShareArrays(ranks, blocks));
+  blocks.Request.Attributes = GetLayouts(blocks.Arrays);
+  SurfaceExchange exchange(ranks, header, blocks.Request, settings);
   const double querySeconds =
-    std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    std::chrono::duration<double>(std::chrono::steady_clock::now() - this->Begin).count();
   ISOSURFACE_ASSIGN_OR_RETURN(
-    Surface surface, exchange.Run(*blocks.Source, isosurface::MakeProgress(this->Filter)));
+    Surface surface, exchange.Run(*blocks.Source, MakeProgress(this->Filter)));
 
   const auto fill = [&]
   {
     AddCost(ranks.GetRank(), exchange, surface, querySeconds, output);
-    isosurface::AddToFieldData(output, "Level", blocks.Level);
-    isosurface::StoreLengthUnit(output, header.Geometry.Unit);
-    isosurface::MoveToPolyData(
-      surface, blocks.Arrays, this->Contour->GetComputeScalars() ? header.Array : "", output);
-    isosurface::StoreRanges(output, settings.Threads);
+    AddToFieldData(output, "Level", blocks.Level);
+    StoreLengthUnit(output, header.Geometry.Unit);
+    MoveToPolyData(surface, blocks.Arrays, withScalars ? header.Array : "", output);
+    StoreRanges(output, settings.Threads);
     if (header.Time)
     {
       output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);
     }
     return Status::Ok();
   };
-  return isosurface::AttemptOnAll(ranks, NotDistributed, fill);
+  return AttemptOnAll(ranks, NotDistributed, fill);
 }
 
 void vtkDistributeIsosurface::SetProfile(int profile)
 {
-  const int nearest = isosurface::ChooseProfile(this, profile);
-  if (this->Profile != nearest)
-  {
-    this->Profile = nearest;
-    this->Modified();
-  }
+  isosurface::SetProfile(this, profile, this->Profile);
 }
 
 void vtkDistributeIsosurface::PrintSelf(ostream& os, vtkIndent indent)

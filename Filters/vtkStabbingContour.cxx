@@ -7,43 +7,47 @@
 #include "ErrorReport.h"
 #include "ImagePieces.h"
 #include "PassingFilters.h"
-#include "SurfaceFieldData.h"
+#include "RangedArray.h"
 #include "SurfacePolyData.h"
 
 #include "vtkAlgorithmOutput.h"
+#include "vtkCellData.h"
 #include "vtkDataObject.h"
-#include "vtkDataSet.h"
 #include "vtkDataSetAttributes.h"
+#include "vtkFieldData.h"
+#include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkIntArray.h"
 #include "vtkLogger.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPlanes.h"
+#include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
 
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
-#include <array>
+#include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 vtkStandardNewMacro(vtkStabbingContour);
 vtkCxxSetObjectMacro(vtkStabbingContour, Controller, vtkMultiProcessController);
 vtkCxxSetObjectMacro(vtkStabbingContour, Frustum, vtkPlanes);
 
-using isosurface::ContourExecution;
-using isosurface::Status;
-using isosurface::StatusCode;
+using namespace isosurface;
 
 namespace
 {
 
-void LogCost(int rank, const isosurface::QueryCost& cost)
+void LogCost(int rank, const QueryCost& cost)
 {
-  const isosurface::QueryStatistics& reading = cost.Reading;
+  const QueryStatistics& reading = cost.Reading;
   vtkLogF(1,
     "Stabbing Contour: rank %d: %llu tree pages read, %llu active blocks, %llu blocks and %llu "
     "bytes read, %llu cache hits, %llu triangles; query %.4f s, read %.4f s, extract %.4f s",
@@ -56,20 +60,97 @@ void LogCost(int rank, const isosurface::QueryCost& cost)
     cost.ExtractSeconds);
 }
 
-void FillOutput(vtkStabbingContour& contour, int rank, int threads,
-  isosurface::ContourOutcome& made, vtkPolyData* output)
+/// Adds what the query cost this rank to the output's field data, one array of one value a quantity. Written as a
+/// table, the ranks' values are its rows. Of a level that was chosen within a budget also EstimatedTriangles,
+/// PredictedSeconds, and LevelLimit, the name of the property that limits it, or nothing.
+void AddQueryCost(int rank, const QueryCost& cost, vtkPolyData* output)
 {
-  made.Cost.Triangles = made.Extracted.NumberOfTriangles;
-  made.Cost.ExtractSeconds = made.Extracted.TotalSeconds;
-  isosurface::MoveToPolyData(
-    made.Extracted, made.Arrays, contour.GetComputeScalars() ? made.ArrayName : "", output);
-  isosurface::AddBlocks(made.Blocks, output);
-  isosurface::StoreRanges(output, threads);
-  isosurface::AddCostToFieldData(rank, made.Cost, output);
-  if (made.Islands)
+  const auto add = [output](const char* name, auto value) { AddToFieldData(output, name, value); };
+  add("Rank", rank);
+  add("TreePagesRead", cost.Reading.TreePagesRead);
+  add("DirectoryPagesRead", cost.Reading.DirectoryPagesRead);
+  add("ActiveBlocks", cost.Reading.ActiveBlocks);
+  add("BlocksRead", cost.Reading.BlocksRead);
+  add("BytesRead", cost.Reading.BytesRead);
+  add("BlockCacheHits", cost.Reading.BlockCacheHits);
+  add("Triangles", cost.Triangles);
+  add("Level", cost.Level);
+  add("QuerySeconds", cost.Reading.QuerySeconds);
+  add("ReadSeconds", cost.Reading.ReadSeconds);
+  add("ExtractSeconds", cost.ExtractSeconds);
+  if (!cost.Choice)
   {
-    isosurface::AddIslands(
-      *made.Islands, contour.GetComputeIslandIds() != 0, made.IslandSeconds, output);
+    return;
+  }
+  add("EstimatedTriangles", cost.Choice->Triangles);
+  add("PredictedSeconds", cost.Choice->Seconds);
+  vtkNew<vtkStringArray> limit;
+  limit->SetName("LevelLimit");
+  limit->InsertNextValue(cost.Choice->Limit == LevelLimit::Triangles ? "MaximumTriangles"
+      : cost.Choice->Limit == LevelLimit::Seconds                    ? "TimeBudget"
+                                                                     : "");
+  output->GetFieldData()->AddArray(limit);
+}
+
+/// Adds to a surface which block of a composite each of its points is of: the point array BlockIds, and the field
+/// array BlockNames, which has the name of each number. Nothing for a single block.
+void AddBlocks(const std::vector<std::int32_t>& blocks, const std::vector<std::string>& names,
+  vtkPolyData* surface)
+{
+  const vtkSmartPointer<vtkDataArray> ids = surface->GetPointData()->GetGlobalIds();
+  if (names.empty() || !ids)
+  {
+    return;
+  }
+  vtkNew<vtkIntArray> numbers;
+  numbers->SetName("BlockIds");
+  numbers->SetNumberOfTuples(static_cast<vtkIdType>(blocks.size()));
+  std::copy(blocks.begin(), blocks.end(), numbers->GetPointer(0));
+  // Ids stay the last array: see MoveToPolyData.
+  surface->GetPointData()->RemoveArray(ids->GetName());
+  surface->GetPointData()->AddArray(numbers);
+  surface->GetPointData()->SetGlobalIds(ids);
+  vtkNew<vtkStringArray> column;
+  column->SetName("BlockNames");
+  for (const std::string& name : names)
+  {
+    column->InsertNextValue(name);
+  }
+  surface->GetFieldData()->AddArray(column);
+}
+
+/// Adds what was found to the output's field data (see SetMinimumIslandSize), and the ids of the cells, if there are
+/// any, whose memory the output takes.
+void AddIslands(ChosenIslands& islands, bool ids, double seconds, vtkPolyData* output)
+{
+  const auto add = [output](const char* name, const auto& rows, const auto member)
+  {
+    using Value = std::decay_t<decltype(rows.front().*member)>;
+    std::vector<double> values;
+    for (const auto& row : rows)
+    {
+      values.push_back(static_cast<double>(row.*member));
+    }
+    output->GetFieldData()->AddArray(
+      MakeColumn(name, std::is_floating_point_v<Value> ? VTK_DOUBLE : VTK_ID_TYPE, values));
+  };
+  add("Islands", islands.OfIsovalues, &IsovalueIslands::Islands);
+  add("KeptIslands", islands.OfIsovalues, &IsovalueIslands::KeptIslands);
+  AddToFieldData(output, "IslandSeconds", seconds);
+  add("IslandTriangles", islands.Largest, &ListedIsland::Triangles);
+  add("IslandArea", islands.Largest, &ListedIsland::Area);
+  add("IslandVolume", islands.Largest, &ListedIsland::Volume);
+  add("IslandBinSize", islands.Bins, &IslandBin::Size);
+  add("IslandBinIslands", islands.Bins, &IslandBin::Islands);
+  add("IslandBinTriangles", islands.Bins, &IslandBin::Triangles);
+  if (ids)
+  {
+    static_assert(sizeof(vtkIdType) == sizeof(std::int64_t), "ids have 64 bits");
+    vtkNew<vtkIdTypeArray> ofCells;
+    ofCells->SetName("IslandId");
+    const auto cells = static_cast<vtkIdType>(islands.Ids.GetSize());
+    AdoptMemory(ofCells, islands.Ids.Release(), cells);
+    output->GetCellData()->AddArray(ofCells);
   }
 }
 
@@ -110,11 +191,6 @@ void vtkStabbingContour::RemoveAllInterpolatedArrays()
   }
 }
 
-int vtkStabbingContour::GetNumberOfInterpolatedArrays()
-{
-  return static_cast<int>(this->InterpolatedArrays.size());
-}
-
 const char* vtkStabbingContour::GetInterpolatedArray(int index)
 {
   return index >= 0 && index < this->GetNumberOfInterpolatedArrays()
@@ -153,8 +229,8 @@ void vtkStabbingContour::SetFrustumPlanes(const double planes[24])
 
 vtkMTimeType vtkStabbingContour::GetMTime()
 {
-  const vtkMTimeType time = std::max(this->Superclass::GetMTime(), this->ContourValues->GetMTime());
-  return this->Frustum ? std::max(time, this->Frustum->GetMTime()) : time;
+  return std::max({ this->Superclass::GetMTime(), this->ContourValues->GetMTime(),
+    this->Frustum ? this->Frustum->GetMTime() : 0 });
 }
 
 void vtkStabbingContour::Refine()
@@ -168,11 +244,9 @@ void vtkStabbingContour::Refine()
 
 int* vtkStabbingContour::GetLevelRange()
 {
-  vtkAlgorithmOutput* input =
-    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputConnection(0, 0) : nullptr;
-  vtkInformation* info =
-    input ? input->GetProducer()->GetOutputInformation(input->GetIndex()) : nullptr;
-  const auto volume = info ? isosurface::VolumeInput(info).GetVolume() : nullptr;
+  const auto volume = this->GetNumberOfInputConnections(0) > 0
+    ? VolumeInput(this->GetInputInformation()).GetVolume()
+    : nullptr;
   this->LevelRange[1] = volume ? volume->GetNumberOfLevels() - 1 : 0;
   return this->LevelRange;
 }
@@ -184,7 +258,7 @@ void vtkStabbingContour::AllowCoarse(vtkTypeBool allowed)
 
 void vtkStabbingContour::PrepareRefinement(int milliseconds)
 {
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  ControllerCommunicator ranks(this->Controller);
   this->Refinement = this->Work->GetSurfaces()
                        .Prepare(ranks, std::max(0, milliseconds) / 1000.0, this->GetMTime())
                        .ToValues();
@@ -204,12 +278,6 @@ bool vtkStabbingContour::FindsIslands()
 {
   return this->MinimumIslandSize > 0 || this->MaximumIslands > 0 || this->UseIslandPoint ||
     this->ComputeIslandIds;
-}
-
-void vtkStabbingContour::SetRefinementMemory(double mebibytes)
-{
-  // The surface does not depend on it, so it does not modify the filter.
-  this->RefinementMemory = mebibytes;
 }
 
 int vtkStabbingContour::FillInputPortInformation(int, vtkInformation* info)
@@ -238,12 +306,12 @@ void vtkStabbingContour::AskInput(vtkInformation* inInfo, int piece, int pieces)
   // cells need one cell more. Ghost levels that consumers ask of the surface are not needed: its
   // pieces fit by GlobalIds.
   const int levels = (this->ComputeNormals ? 1 : 0) + (this->TakesCells(inInfo) ? 1 : 0);
-  isosurface::AskVolume(*this, inInfo, piece, pieces, pieces > 1 ? levels : 0);
+  AskVolume(*this, inInfo, piece, pieces, pieces > 1 ? levels : 0);
 }
 
 bool vtkStabbingContour::TakesCells(vtkInformation* inInfo)
 {
-  return isosurface::IsCellArrayChosen(this->GetInputArrayInformation(0), inInfo) ||
+  return IsCellArrayChosen(*this, inInfo) ||
     std::any_of(this->InterpolatedArrays.begin(), this->InterpolatedArrays.end(),
       [inInfo](const std::string& name)
       {
@@ -254,9 +322,7 @@ bool vtkStabbingContour::TakesCells(vtkInformation* inInfo)
 
 const char* vtkStabbingContour::GetUnit()
 {
-  this->Unit = isosurface::FindContouredUnit(
-    this->GetNumberOfInputConnections(0) > 0 ? this->GetInputDataObject(0, 0) : nullptr,
-    [this](vtkDataSet* data) { return this->GetInputArrayToProcess(0, data); });
+  this->Unit = FindContouredUnit(*this);
   return this->Unit.c_str();
 }
 
@@ -274,66 +340,61 @@ int vtkStabbingContour::RequestData(
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
-  isosurface::ReleaseVolume(*this, inInfo);
+  ReleaseVolume(*this, inInfo);
   const vtkSmartPointer<vtkPolyData> last = std::move(this->LastSurface);
 
-  isosurface::ControllerCommunicator ranks(this->Controller);
-  isosurface::ContourOutcome made;
-  Status status = isosurface::RunCollective(isosurface::NotExtracted,
-    [&] { return this->Work->Extract(inInfo, output->GetInformationObject(0), made); });
-  if (status.IsOk())
+  ControllerCommunicator ranks(this->Controller);
+  ContourRun made;
+  const auto fill = [&]
   {
-    status = isosurface::Attempt(isosurface::NotExtracted,
-      [&]
+    if (made.Stays)
+    {
+      polyData->ShallowCopy(last);
+    }
+    else
+    {
+      made.Cost.Triangles = made.Extracted.NumberOfTriangles;
+      made.Cost.ExtractSeconds = made.Extracted.TotalSeconds;
+      MoveToPolyData(
+        made.Extracted, made.Arrays, this->ComputeScalars ? made.ArrayName : "", polyData);
+      AddBlocks(made.Blocks, made.BlockNames, polyData);
+      StoreRanges(polyData, this->Work->ChooseThreads());
+      AddQueryCost(ranks.GetRank(), made.Cost, polyData);
+      if (made.Request.Islands)
       {
-        if (made.Stays)
-        {
-          polyData->ShallowCopy(last);
-        }
-        else
-        {
-          FillOutput(*this, ranks.GetRank(), this->Work->ChooseThreads(), made, polyData);
-        }
-        if (made.Stays || made.MayStay)
-        {
-          this->LastSurface = vtkSmartPointer<vtkPolyData>::New();
-          this->LastSurface->ShallowCopy(polyData);
-        }
-        return Status::Ok();
-      });
-  }
-  if (isosurface::IsAborted(*this))
-  {
-    // Outweighs an error, such as that of a reader that was stopped before it had a volume.
-    status = Status(StatusCode::Aborted, "The contour was aborted.");
-  }
-  status = ranks.Agree(status);
+        AddIslands(made.Islands, made.Request.Islands->Ids, made.IslandSeconds, polyData);
+      }
+    }
+    if (made.Stays || made.MayStay)
+    {
+      this->LastSurface = vtkSmartPointer<vtkPolyData>::New();
+      this->LastSurface->ShallowCopy(polyData);
+    }
+    return Status::Ok();
+  };
+  Status status = RunCollective(NotExtracted,
+    [&] { return this->Work->Extract(inInfo, output->GetInformationObject(0), made); });
+  status = status.IsOk() ? Attempt(NotExtracted, fill) : status;
+  status = AgreeOnEnd(*this, ranks, status);
   this->Final = this->Work->SetShown(status.IsOk(), made);
-  const double* isovalues = this->ContourValues->GetValues();
-  this->IslandSummary = !status.IsOk() || !made.Islands
-    ? ""
-    : isosurface::SummariseIslands(
-        *made.Islands, { isovalues, isovalues + this->ContourValues->GetNumberOfContours() });
-  if (!status.IsOk())
-  {
-    polyData->Initialize();
-    return isosurface::EndExecution(this, output, status);
-  }
-  if (made.Stays)
+  this->IslandSummary = status.IsOk() && made.Request.Islands
+    ? SummariseIslands(made.Islands, made.Request.Isovalues)
+    : "";
+  if (status.IsOk() && made.Stays)
   {
     vtkLogF(1, "Stabbing Contour: rank %d: the surface of the sample stays", ranks.GetRank());
   }
-  else
+  else if (status.IsOk())
   {
     LogCost(ranks.GetRank(), made.Cost);
   }
-  return 1;
+  return EndExecution(this, output, status);
 }
 
 vtkStabbingContour* vtkStabbingContour::FindBehind(vtkAlgorithmOutput* connection)
 {
   vtkAlgorithm* producer = connection ? connection->GetProducer() : nullptr;
-  while (producer && isosurface::FindPassedArrays(producer) == isosurface::PassedArrays::All &&
+  while (producer && FindPassedArrays(producer) == PassedArrays::All &&
     producer->GetNumberOfInputConnections(0) > 0)
   {
     producer = producer->GetInputAlgorithm(0, 0);
@@ -348,28 +409,24 @@ void vtkStabbingContour::PrintSelf(ostream& os, vtkIndent indent)
   this->ContourValues->PrintSelf(os, indent.GetNextIndent());
   this->VisitProperties(
     [&](const char* name, auto value) { os << indent << name << ": " << value << "\n"; });
+  const auto print = [&](const char* name, const auto& values)
+  {
+    os << indent << name << ":";
+    for (const auto& value : values)
+    {
+      os << " " << value;
+    }
+    os << "\n";
+  };
   os << indent << "Final: " << this->Final << "\n";
-  os << indent << "Refinement:";
-  for (const double number : this->Refinement)
-  {
-    os << " " << number;
-  }
-  os << "\n";
+  print("Refinement", this->Refinement);
   os << indent << "RefinementMemory: " << this->RefinementMemory << "\n";
-  os << indent << "InterpolatedArrays:";
-  for (const std::string& name : this->InterpolatedArrays)
-  {
-    os << " \"" << name << "\"";
-  }
-  os << "\n";
+  print("InterpolatedArrays", this->InterpolatedArrays);
   os << indent << "UseRegion: " << this->UseRegion << "\n";
-  os << indent << "RegionPosition: " << this->RegionPosition[0] << " " << this->RegionPosition[1]
-     << " " << this->RegionPosition[2] << "\n";
-  os << indent << "RegionLength: " << this->RegionLength[0] << " " << this->RegionLength[1] << " "
-     << this->RegionLength[2] << "\n";
+  print("RegionPosition", this->RegionPosition);
+  print("RegionLength", this->RegionLength);
   os << indent << "Frustum: " << this->Frustum << "\n";
-  os << indent << "IslandPoint: " << this->IslandPoint[0] << " " << this->IslandPoint[1] << " "
-     << this->IslandPoint[2] << "\n";
+  print("IslandPoint", this->IslandPoint);
   os << indent << "IslandSummary: " << this->IslandSummary << "\n";
   os << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n";
   os << indent << "Controller: " << this->Controller << "\n";

@@ -3,7 +3,6 @@
 #include "vtkVolumeImageAlgorithm.h"
 
 #include "BlockImage.h"
-#include "SurfaceFieldData.h"
 #include "VolumeInput.h"
 #include "vtkBlockedVolumeHandle.h"
 
@@ -24,23 +23,19 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
+#include "RangedArray.h"
 #include "Ranks/Query/FieldRefinement.h"
 #include "Ranks/Query/ImageField.h"
 #include "RectilinearGrids.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
-#include <optional>
+#include <string>
 #include <utility>
 
 vtkCxxSetObjectMacro(vtkVolumeImageAlgorithm, Controller, vtkMultiProcessController);
 
-using isosurface::BlockedVolume;
-using isosurface::ImagePlan;
-using isosurface::SampledBox;
-using isosurface::Status;
-using isosurface::StatusCode;
-using isosurface::VolumeInput;
+using namespace isosurface;
 
 namespace
 {
@@ -48,8 +43,7 @@ namespace
 using Pipeline = vtkStreamingDemandDrivenPipeline;
 
 // The piece that is asked for of an image, by whichever output.
-isosurface::VertexBox FindPart(
-  const ImagePlan& plan, vtkInformation* request, vtkInformationVector* output)
+VertexBox FindPart(const ImagePlan& plan, vtkInformation* request, vtkInformationVector* output)
 {
   vtkInformation* outInfo =
     output->GetInformationObject(std::max(0, request->Get(vtkExecutive::FROM_OUTPUT_PORT())));
@@ -61,7 +55,7 @@ isosurface::VertexBox FindPart(
   const bool hasPart =
     translator->PieceToExtentThreadSafe(outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER()), pieces, 0,
       whole, extent, vtkExtentTranslator::BLOCK_MODE, 0) != 0;
-  return hasPart ? isosurface::MakeVertexBox(plan.Grid, extent) : isosurface::VertexBox();
+  return hasPart ? MakeVertexBox(plan.Grid, extent) : VertexBox();
 }
 
 // Hides the points that are not within the volume from filters and from the Surface representation.
@@ -74,7 +68,7 @@ void HideOutside(vtkImageData* image, const std::vector<std::uint8_t>& isInside)
   }
   vtkNew<vtkUnsignedCharArray> ghosts;
   ghosts->SetName(vtkDataSetAttributes::GhostArrayName());
-  isosurface::AllocateTuples(ghosts, image->GetNumberOfPoints());
+  AllocateTuples(ghosts, image->GetNumberOfPoints());
   image->GetPointData()->AddArray(ghosts);
   std::transform(isInside.begin(), isInside.end(), ghosts->GetPointer(0),
     [](std::uint8_t is)
@@ -88,19 +82,18 @@ void FillDataSet(SampledBox& part, vtkDataObject* made)
   {
     return;
   }
-  const auto image = isosurface::MakeImage(part.Plan.Grid, part.Box);
+  const auto image = MakeImage(part.Plan.Grid, part.Box);
   for (std::size_t number = 0; number < part.Arrays.size(); ++number)
   {
     const std::size_t array = part.Arrays[number];
-    isosurface::StoreVolumeRanges(*part.Volume, part.TimeStep, array,
-      isosurface::AddArray(
-        image, part.Volume->GetHeader().Arrays[array], std::move(part.Values[number])));
+    StoreVolumeRanges(*part.Volume, part.TimeStep, array,
+      AddArray(image, part.Volume->GetHeader().Arrays[array], std::move(part.Values[number])));
   }
   HideOutside(image, part.IsInside);
-  isosurface::AddToFieldData(image, "Level", part.Plan.Level);
+  AddToFieldData(image, "Level", part.Plan.Level);
   if (part.Plan.Lines)
   {
-    made->ShallowCopy(isosurface::MakeRectilinearGrid(image, part.Plan.Lines->Cut(part.Box)));
+    made->ShallowCopy(MakeRectilinearGrid(image, part.Plan.Lines->Cut(part.Box)));
   }
   else
   {
@@ -108,7 +101,17 @@ void FillDataSet(SampledBox& part, vtkDataObject* made)
   }
 }
 
-void TellGrid(const isosurface::GridGeometry& grid, vtkInformation* outInfo)
+/// The image in words.
+std::string Describe(const ImagePlan& plan, const VolumeInput& input)
+{
+  const std::string& sample = input.GetHandle().GetSampleText();
+  const std::string level = !sample.empty() ? sample
+    : plan.Level == 0                       ? "full resolution"
+                                            : "level " + std::to_string(plan.Level);
+  return plan.Size + ", " + level + plan.Note;
+}
+
+void TellGrid(const GridGeometry& grid, vtkInformation* outInfo)
 {
   int extent[6];
   std::copy(grid.Extent.begin(), grid.Extent.end(), extent);
@@ -125,14 +128,8 @@ void TellGrid(const isosurface::GridGeometry& grid, vtkInformation* outInfo)
 
 struct vtkVolumeImageAlgorithm::Work
 {
-  explicit Work(vtkVolumeImageAlgorithm& filter)
-    : Filter(filter)
-  {
-  }
-
   /// What an image is made of; the filter's properties aside, the same on all ranks.
   std::uint64_t SumSource(const VolumeInput& input) const;
-  std::string Describe(const ImagePlan& plan, const VolumeInput& input) const;
   /// Plans the exact image and the coarse one, and the parts that are asked for of them. Not collective.
   Status Ask(
     const VolumeInput& input, vtkInformation* request, vtkInformationVector* output, int threads);
@@ -140,18 +137,16 @@ struct vtkVolumeImageAlgorithm::Work
     const VolumeInput& input, int level, vtkInformation* inInfo, vtkInformation* outInfo);
 
   vtkVolumeImageAlgorithm& Filter;
-  std::string Text;
   bool CoarseAllowed = false;
   bool IsOnlyTold = false;  ///< whether the pipeline was told of an image that is not made yet
   std::uint64_t Source = 0; ///< of the last image
-  bool Final = true;
-  isosurface::ImageField Image;
-  isosurface::FieldRefinement Levels;
+  ImageField Image{};
+  FieldRefinement Levels{};
 };
 
 vtkVolumeImageAlgorithm::vtkVolumeImageAlgorithm()
   : Refinement(isosurface::Refinement().ToValues())
-  , Internals(std::make_unique<Work>(*this))
+  , Internals(new Work{ *this })
 {
   this->SetController(vtkMultiProcessController::GetGlobalController());
 }
@@ -159,11 +154,6 @@ vtkVolumeImageAlgorithm::vtkVolumeImageAlgorithm()
 vtkVolumeImageAlgorithm::~vtkVolumeImageAlgorithm()
 {
   this->SetController(nullptr);
-}
-
-const char* vtkVolumeImageAlgorithm::GetShownText()
-{
-  return this->Internals->Text.c_str();
 }
 
 int vtkVolumeImageAlgorithm::FillInputPortInformation(int, vtkInformation* info)
@@ -189,14 +179,14 @@ int vtkVolumeImageAlgorithm::RequestInformation(
   Work& work = *this->Internals;
   vtkInformation* outInfo = output->GetInformationObject(0);
   const VolumeInput input(inputs[0]->GetInformationObject(0));
-  const isosurface::ControllerCommunicator ranks(this->Controller);
+  const ControllerCommunicator ranks(this->Controller);
   // The extent of an image cannot be told later.
   if (input && input.GetHandle().IsUntried() &&
     !this->GetInputAlgorithm(0, 0)->UpdatePiece(ranks.GetRank(), ranks.GetSize(), 0))
   {
     // On all ranks. To go on would execute the input again, which would tell its error twice.
     vtkDataObject::GetData(outInfo)->Initialize();
-    isosurface::MarkFailure(output);
+    MarkFailure(output);
     outInfo->Remove(vtkDemandDrivenPipeline::DATA_NOT_GENERATED()); // nothing is being generated
     return 0;
   }
@@ -206,7 +196,7 @@ int vtkVolumeImageAlgorithm::RequestInformation(
   }
   ImagePlan image;
   image.Grid.Extent = { 0, -1, 0, -1, 0, -1 };
-  work.Text.clear();
+  this->ShownText.clear();
   work.IsOnlyTold = false;
   if (input.GetVolume())
   {
@@ -216,12 +206,12 @@ int vtkVolumeImageAlgorithm::RequestInformation(
       ImagePlan planned;
       ISOSURFACE_RETURN_IF_ERROR(this->Plan(*input.GetVolume(), input.GetHandle().GetArrays(),
         work.IsOnlyTold ? work.CoarseAllowed : !work.Levels.IsNextFinest(), planned));
-      work.Text = work.Describe(planned, input);
+      this->ShownText = Describe(planned, input);
       image = std::move(planned);
       return Status::Ok();
     };
     // RequestData tells why not.
-    static_cast<void>(isosurface::Attempt("", plan));
+    static_cast<void>(Attempt("", plan));
   }
   TellGrid(image.Grid, outInfo);
   // What kind of grid it is, is known no earlier.
@@ -241,15 +231,14 @@ int vtkVolumeImageAlgorithm::RequestUpdateExtent(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
   const int port = std::max(0, request->Get(vtkExecutive::FROM_OUTPUT_PORT()));
-  isosurface::AskVolume(
-    *this, input[0]->GetInformationObject(0), output->GetInformationObject(port));
+  AskVolume(*this, input[0]->GetInformationObject(0), output->GetInformationObject(port));
   return 1;
 }
 
 int vtkVolumeImageAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output)
 {
-  return isosurface::EndExecution(
+  return EndExecution(
     this, output, this->MakeImage(request, input[0]->GetInformationObject(0), output));
 }
 
@@ -260,17 +249,15 @@ Status vtkVolumeImageAlgorithm::MakeImage(
   vtkInformation* outInfo = output->GetInformationObject(0);
   vtkDataObject::GetData(outInfo)->Initialize();
   const VolumeInput input(inInfo);
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  ControllerCommunicator ranks(this->Controller);
   work.Source = work.SumSource(input);
   work.IsOnlyTold = false;
   int level = 0;
-  Status status = isosurface::AgreeOnVolume(*this, ranks, input, this->SumProperties());
+  Status status = AgreeOnVolume(*this, ranks, input, this->SumProperties());
   if (status.IsOk())
   {
     const int threads = ranks.ChooseThreads(0);
-    isosurface::RefinementRequest wanted;
-    wanted.MayBeCoarse = work.CoarseAllowed;
-    wanted.Change = work.Source;
+    const RefinementRequest wanted = { 0, false, work.CoarseAllowed, false, work.Source };
     const auto choice =
       work.Levels.Begin(ranks, work.Image, wanted, work.Ask(input, request, output, threads));
     status = choice.GetStatus();
@@ -278,23 +265,22 @@ Status vtkVolumeImageAlgorithm::MakeImage(
   }
   if (status.IsOk())
   {
-    status = isosurface::ReadVolume(
+    status = ReadVolume(
       *this, ranks, input, [&] { return work.FillOutput(input, level, inInfo, outInfo); });
   }
   work.Levels.SetShown(status.IsOk(), level, 0);
-  work.Final = !status.IsOk() || work.Levels.IsFinal();
+  this->Final = !status.IsOk() || work.Levels.IsFinal() ? 1 : 0;
   if (!status.IsOk())
   {
     work.Levels.KeepChange(work.Source = 0); // begins anew
-    work.Text.clear();
-    vtkDataObject::GetData(outInfo)->Initialize();
+    this->ShownText.clear();
   }
   return status;
 }
 
 std::uint64_t vtkVolumeImageAlgorithm::Work::SumSource(const VolumeInput& input) const
 {
-  isosurface::Fingerprint source;
+  Fingerprint source;
   source.AddNumber(this->Filter.SumProperties());
   if (input.GetVolume())
   {
@@ -308,16 +294,6 @@ std::uint64_t vtkVolumeImageAlgorithm::Work::SumSource(const VolumeInput& input)
   return source.Get();
 }
 
-std::string vtkVolumeImageAlgorithm::Work::Describe(
-  const ImagePlan& plan, const VolumeInput& input) const
-{
-  const std::string& sample = input.GetHandle().GetSampleText();
-  return this->Filter.Describe(plan, *input.GetVolume(), input.GetHandle().GetArrays(),
-    !sample.empty()     ? sample
-      : plan.Level == 0 ? "full resolution"
-                        : "level " + std::to_string(plan.Level));
-}
-
 Status vtkVolumeImageAlgorithm::Work::Ask(
   const VolumeInput& input, vtkInformation* request, vtkInformationVector* output, int threads)
 {
@@ -326,7 +302,7 @@ Status vtkVolumeImageAlgorithm::Work::Ask(
     part.Volume = input.GetVolume();
     part.TimeStep = input.GetTimeStep();
     part.Arrays = input.GetHandle().GetArrays();
-    part.Beyond = isosurface::ValueBeyond::Minimum;
+    part.Beyond = ValueBeyond::Minimum;
     part.Threads = threads;
     ISOSURFACE_RETURN_IF_ERROR(this->Filter.Plan(*part.Volume, part.Arrays, isCoarse, part.Plan));
     part.Box = FindPart(part.Plan, request, output);
@@ -335,18 +311,13 @@ Status vtkVolumeImageAlgorithm::Work::Ask(
   const auto ask = [&]() -> Status
   {
     SampledBox exact;
-    std::optional<SampledBox> coarse(std::in_place);
+    SampledBox coarse;
     ISOSURFACE_RETURN_IF_ERROR(plan(false, exact));
-    ISOSURFACE_RETURN_IF_ERROR(plan(true, *coarse));
-    if (coarse->Plan.Level == exact.Plan.Level &&
-      coarse->Plan.Grid.Extent == exact.Plan.Grid.Extent)
-    {
-      coarse.reset();
-    }
+    ISOSURFACE_RETURN_IF_ERROR(plan(true, coarse));
     this->Image.Ask(this->Source, std::move(exact), std::move(coarse));
     return Status::Ok();
   };
-  return isosurface::Attempt("the samples cannot be read", ask);
+  return Attempt("the samples cannot be read", ask);
 }
 
 Status vtkVolumeImageAlgorithm::Work::FillOutput(
@@ -364,8 +335,8 @@ Status vtkVolumeImageAlgorithm::Work::FillOutput(
   }
   // Coarse images may have been allowed, or not any longer, since the pipeline was told.
   TellGrid(part.Plan.Grid, outInfo);
-  this->Text = this->Describe(part.Plan, input);
-  ISOSURFACE_RETURN_IF_ERROR(this->Image.Fill(level, isosurface::MakeProgress(this->Filter)));
+  this->Filter.ShownText = Describe(part.Plan, input);
+  ISOSURFACE_RETURN_IF_ERROR(this->Image.Fill(level, MakeProgress(this->Filter)));
   FillDataSet(part, made);
   made->GetFieldData()->PassData(vtkDataObject::GetData(inInfo)->GetFieldData());
   return Status::Ok();
@@ -376,15 +347,10 @@ void vtkVolumeImageAlgorithm::AllowCoarse(vtkTypeBool allowed)
   Work& work = *this->Internals;
   if (work.IsOnlyTold && (allowed != 0) != work.CoarseAllowed)
   {
-    this
-      ->Modified(); // the pipeline is told again: what asks for the image knows its extent from there
+    // The pipeline is told again: what asks for the image knows its extent from there.
+    this->Modified();
   }
   work.CoarseAllowed = allowed != 0;
-}
-
-int vtkVolumeImageAlgorithm::GetFinal()
-{
-  return this->Internals->Final ? 1 : 0;
 }
 
 void vtkVolumeImageAlgorithm::Refine()
@@ -397,7 +363,7 @@ void vtkVolumeImageAlgorithm::Refine()
 
 void vtkVolumeImageAlgorithm::PrepareRefinement(int milliseconds)
 {
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  ControllerCommunicator ranks(this->Controller);
   this->Refinement = this->Internals->Levels
                        .Prepare(ranks, std::max(0, milliseconds) / 1000.0, this->Internals->Source)
                        .ToValues();

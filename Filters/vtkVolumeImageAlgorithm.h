@@ -21,7 +21,7 @@
 #include <cstddef> // For numbers of arrays
 #include <cstdint> // For checksums
 #include <memory>  // For the work
-#include <string>  // For texts
+#include <string>  // For the text
 #include <vector>  // For numbers of arrays
 
 class vtkMultiProcessController;
@@ -39,22 +39,18 @@ public:
   vtkTypeMacro(vtkVolumeImageAlgorithm, vtkDataSetAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /**
-   * What the image is, in words: "2048 x 2048 points, full resolution". Known when the information of the
-   * pipeline is up to date, before samples are read.
-   */
-  const char* GetShownText();
+  /// What the image is, in words: "2048 x 2048 points, full resolution". Known when the information of the
+  /// pipeline is up to date, before samples are read.
+  const char* GetShownText() { return this->ShownText.c_str(); }
 
   ///@{
-  /**
-   * For a window, as of vtkStabbingContour: while coarse images are allowed, a large image of
-   * something new is coarse, if the filter makes coarse ones, and not final. PrepareRefinement then
-   * reads the exact one beside the calling thread, and waits for it, but not longer than this.
-   * Refinement has the values of Ranks/Query/Refinement.h, as the last call found them. The execution
-   * after Refine gives the exact image. All ranks call these together. DropRefinement stops the reading.
-   */
+  /// For a window, as of vtkStabbingContour: while coarse images are allowed, a large image of
+  /// something new is coarse, if the filter makes coarse ones, and not final. PrepareRefinement then
+  /// reads the exact one beside the calling thread, and waits for it, but not longer than this.
+  /// Refinement has the values of Ranks/Query/Refinement.h, as the last call found them. The execution
+  /// after Refine gives the exact image. All ranks call these together. DropRefinement stops the reading.
   void AllowCoarse(vtkTypeBool allowed);
-  int GetFinal();
+  vtkGetMacro(Final, int);
   void Refine();
   void PrepareRefinement(int milliseconds);
   void DropRefinement();
@@ -62,9 +58,7 @@ public:
   ///@}
 
   ///@{
-  /**
-   * The ranks that execute together, the global controller by default. Null: this rank alone.
-   */
+  /// The ranks that execute together, the global controller by default. Null: this rank alone.
   virtual void SetController(vtkMultiProcessController* controller);
   vtkGetObjectMacro(Controller, vtkMultiProcessController);
   ///@}
@@ -79,10 +73,6 @@ protected:
   /// there, if the exact one takes long. Errors: nothing of the volume is wanted.
   virtual isosurface::Status Plan(const isosurface::BlockedVolume& volume,
     const std::vector<std::size_t>& arrays, bool isCoarse, isosurface::ImagePlan& plan) = 0;
-  /// The image in words: its size, the level, then perhaps a note.
-  virtual std::string Describe(const isosurface::ImagePlan& plan,
-    const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays,
-    const std::string& level) = 0;
   /// Fills the first output, or leaves it empty. Collective. The error, or a stop, is that of all ranks.
   isosurface::Status MakeImage(
     vtkInformation* request, vtkInformation* inInfo, vtkInformationVector* output);
@@ -106,6 +96,8 @@ private:
 
   vtkMultiProcessController* Controller = nullptr;
   std::array<double, 10> Refinement;
+  std::string ShownText;
+  int Final = 1;
   const std::unique_ptr<Work> Internals;
 };
 

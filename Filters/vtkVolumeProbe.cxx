@@ -12,6 +12,7 @@
 #include "vtkCompositeDataSet.h"
 #include "vtkDataSet.h"
 #include "vtkInformation.h"
+#include "vtkInformationDoubleVectorKey.h"
 #include "vtkInformationVector.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
@@ -23,7 +24,6 @@
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Fingerprint.h"
-#include "Ground/Volume/VertexPlaces.h"
 #include "ImageSamples.h"
 #include "RangedArray.h"
 #include "Storage/Sampling/PointSampling.h"
@@ -38,7 +38,7 @@
 vtkStandardNewMacro(vtkVolumeProbe);
 vtkCxxSetObjectMacro(vtkVolumeProbe, Controller, vtkMultiProcessController);
 
-using isosurface::Status;
+using namespace isosurface;
 
 namespace
 {
@@ -68,38 +68,33 @@ void CopyPoints(vtkDataObject* from, vtkDataObject* to)
 void TellTimes(vtkInformationVector** input, vtkInformation* outInfo)
 {
   using Keys = vtkStreamingDemandDrivenPipeline;
-  std::set<double> steps;
-  std::set<double> ends;
-  for (int port = 0; port < 2; ++port)
+  for (vtkInformationDoubleVectorKey* key : { Keys::TIME_STEPS(), Keys::TIME_RANGE() })
   {
-    vtkInformation* inInfo = input[port]->GetInformationObject(0);
-    const double* own = inInfo->Get(Keys::TIME_STEPS());
-    steps.insert(own, own + inInfo->Length(Keys::TIME_STEPS()));
-    const double* range = inInfo->Get(Keys::TIME_RANGE());
-    ends.insert(range, range + inInfo->Length(Keys::TIME_RANGE()));
-  }
-  if (!steps.empty())
-  {
-    const std::vector<double> all(steps.begin(), steps.end());
-    outInfo->Set(Keys::TIME_STEPS(), all.data(), static_cast<int>(all.size()));
-  }
-  if (!ends.empty())
-  {
-    const double range[2] = { *ends.begin(), *ends.rbegin() };
-    outInfo->Set(Keys::TIME_RANGE(), range, 2);
+    std::set<double> united;
+    for (int port = 0; port < 2; ++port)
+    {
+      vtkInformation* inInfo = input[port]->GetInformationObject(0);
+      const double* own = inInfo->Get(key);
+      united.insert(own, own + inInfo->Length(key));
+    }
+    std::vector<double> times(united.begin(), united.end());
+    if (!times.empty())
+    {
+      times = key == Keys::TIME_RANGE() ? std::vector{ times.front(), times.back() } : times;
+      outInfo->Set(key, times.data(), static_cast<int>(times.size()));
+    }
   }
 }
 
 // Adds an array of the volume for the points of a dataset, filled with what points beyond the volume have.
-void* AddPointArray(vtkDataSet* points, const isosurface::ArrayDescription& description)
+void* AddPointArray(vtkDataSet* points, const ArrayDescription& description)
 {
   auto values = vtkSmartPointer<vtkDataArray>::Take(
-    vtkDataArray::CreateDataArray(isosurface::GetVTKType(description.Type)));
+    vtkDataArray::CreateDataArray(GetVTKType(description.Type)));
   values->SetName(description.Name.c_str());
   values->SetNumberOfComponents(description.Components);
-  isosurface::AllocateTuples(values, points->GetNumberOfPoints());
-  values->Fill(
-    isosurface::IsFloatingType(description.Type) ? std::numeric_limits<double>::quiet_NaN() : 0.0);
+  AllocateTuples(values, points->GetNumberOfPoints());
+  values->Fill(IsFloatingType(description.Type) ? std::numeric_limits<double>::quiet_NaN() : 0.0);
   points->GetPointData()->AddArray(values);
   return values->GetVoidPointer(0);
 }
@@ -109,7 +104,7 @@ bool IsBehind(vtkAlgorithm* algorithm, const vtkBlockedVolumeHandle& handle)
 {
   for (int port = 0; port < algorithm->GetNumberOfOutputPorts(); ++port)
   {
-    const isosurface::VolumeInput output(algorithm->GetOutputInformation(port));
+    const VolumeInput output(algorithm->GetOutputInformation(port));
     if (output && &output.GetHandle() == &handle)
     {
       return true;
@@ -128,21 +123,43 @@ bool IsBehind(vtkAlgorithm* algorithm, const vtkBlockedVolumeHandle& handle)
   return false;
 }
 
-} // namespace
-
-struct vtkVolumeProbe::Steps
+/// Adds the arrays of the volume to a dataset that has its own already, and its points to `counts`, all and those
+/// inside.
+Status Probe(const LevelSamples& samples, const std::vector<std::size_t>& arrays,
+  Interpolation interpolation, int threads, vtkDataSet* dataset, const Progress& progress,
+  std::vector<std::uint64_t>& counts)
 {
-  vtkVolumeProbe& Filter;
-  const isosurface::VolumeInput& Input;
-  int Threads;
-  std::uint64_t Points = 0;
-  std::uint64_t PointsInside = 0;
+  const auto find = [dataset](std::int64_t point)
+  {
+    std::array<double, 3> place{};
+    dataset->GetPoint(point, place.data());
+    return place;
+  };
+  const vtkIdType points = dataset->GetNumberOfPoints();
+  if (points > 0)
+  {
+    find(0); // from then on several threads may ask for points
+  }
+  vtkNew<vtkCharArray> mask;
+  mask->SetName("vtkValidPointMask");
+  AllocateTuples(mask, points);
+  mask->FillValue(0);
+  auto* isInside = reinterpret_cast<std::uint8_t*>(mask->GetPointer(0));
+  std::vector<void*> values;
+  for (const std::size_t array : arrays)
+  {
+    values.push_back(AddPointArray(dataset, samples.GetVolume().GetHeader().Arrays[array]));
+  }
+  ISOSURFACE_RETURN_IF_ERROR(SampleArrays(
+    samples, arrays, interpolation, points, find, threads, values, isInside, progress));
+  dataset->GetPointData()->AddArray(mask);
+  counts[0] += static_cast<std::uint64_t>(points);
+  counts[1] +=
+    static_cast<std::uint64_t>(std::count(isInside, isInside + points, std::uint8_t{ 1 }));
+  return Status::Ok();
+}
 
-  /// Adds the arrays of the volume to datasets that have their own already.
-  Status Probe(const std::vector<vtkDataSet*>& datasets);
-  Status ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
-    const isosurface::Progress& progress);
-};
+} // namespace
 
 vtkVolumeProbe::vtkVolumeProbe()
 {
@@ -158,16 +175,6 @@ vtkVolumeProbe::~vtkVolumeProbe()
 vtkExecutive* vtkVolumeProbe::CreateDefaultExecutive()
 {
   return vtkBlockConsumerPipeline::New();
-}
-
-void vtkVolumeProbe::SetSourceConnection(vtkAlgorithmOutput* points)
-{
-  this->SetInputConnection(1, points);
-}
-
-void vtkVolumeProbe::SetSourceData(vtkDataObject* points)
-{
-  this->SetInputData(1, points);
 }
 
 int vtkVolumeProbe::FillInputPortInformation(int port, vtkInformation* info)
@@ -214,8 +221,8 @@ int vtkVolumeProbe::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
   vtkInformation* inInfo = input[0]->GetInformationObject(0);
-  isosurface::AskVolume(*this, inInfo, output->GetInformationObject(0));
-  const isosurface::VolumeInput volume(inInfo);
+  AskVolume(*this, inInfo, output->GetInformationObject(0));
+  const VolumeInput volume(inInfo);
   if (volume && IsBehind(this->GetInputAlgorithm(1, 0), volume.GetHandle()))
   {
     // What makes the points needs the output of the same reader, in this same update.
@@ -227,99 +234,45 @@ int vtkVolumeProbe::RequestUpdateExtent(
 int vtkVolumeProbe::RequestData(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  const isosurface::VolumeInput volume(input[0]->GetInformationObject(0));
+  const VolumeInput volume(input[0]->GetInformationObject(0));
   vtkDataObject* made = vtkDataObject::GetData(output, 0);
   made->Initialize();
-  isosurface::ControllerCommunicator ranks(this->Controller);
-  isosurface::Fingerprint properties;
+  ControllerCommunicator ranks(this->Controller);
+  Fingerprint properties;
   properties.AddNumber(static_cast<std::uint64_t>(this->Interpolation));
   std::vector<std::uint64_t> counts(2, 0); // points, and those inside
-  Status status = isosurface::AgreeOnVolume(*this, ranks, volume, properties.Get());
+  Status status = AgreeOnVolume(*this, ranks, volume, properties.Get());
   if (status.IsOk())
   {
-    Steps steps = { *this, volume, ranks.ChooseThreads(0) };
-    status = isosurface::ReadVolume(*this, ranks, volume,
-      [&]
+    const int threads = ranks.ChooseThreads(0);
+    const auto probe = [&]() -> Status
+    {
+      CopyPoints(vtkDataObject::GetData(input[1], 0), made);
+      ISOSURFACE_ASSIGN_OR_RETURN(
+        const auto samples, LevelSamples::Open(volume.GetVolume(), volume.GetTimeStep(), 0));
+      const auto datasets = vtkCompositeDataSet::GetDataSets<vtkDataSet>(made);
+      const double share = 1.0 / static_cast<double>(datasets.size());
+      for (std::size_t number = 0; number < datasets.size(); ++number)
       {
-        CopyPoints(vtkDataObject::GetData(input[1], 0), made);
-        return steps.Probe(vtkCompositeDataSet::GetDataSets<vtkDataSet>(made));
-      });
-    counts = { steps.Points, steps.PointsInside };
+        const double begin = static_cast<double>(number) * share;
+        ISOSURFACE_RETURN_IF_ERROR(Probe(*samples, volume.GetHandle().GetArrays(),
+          static_cast<isosurface::Interpolation>(this->Interpolation), threads, datasets[number],
+          MakeProgress(*this, begin, begin + share), counts));
+      }
+      return Status::Ok();
+    };
+    status = ReadVolume(*this, ranks, volume, probe);
   }
   if (status.IsOk())
   {
     ranks.ReduceSum(counts);
     const bool areOutside = counts[0] > 0 && counts[1] == 0;
-    isosurface::ReportWarning(this, ranks, status,
+    ReportWarning(this, ranks, status,
       areOutside ? volume.GetVolume()->GetPath() + ": all " + std::to_string(counts[0]) +
           " points are beyond the volume"
                  : "");
   }
-  if (!status.IsOk())
-  {
-    made->Initialize();
-  }
-  return isosurface::EndExecution(this, output, status);
-}
-
-Status vtkVolumeProbe::Steps::Probe(const std::vector<vtkDataSet*>& datasets)
-{
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto samples,
-    isosurface::LevelSamples::Open(this->Input.GetVolume(), this->Input.GetTimeStep(), 0));
-  const auto all = static_cast<double>(datasets.size());
-  for (std::size_t number = 0; number < datasets.size(); ++number)
-  {
-    const auto begin = static_cast<double>(number);
-    ISOSURFACE_RETURN_IF_ERROR(this->ProbeOne(*samples, datasets[number],
-      isosurface::MakeProgress(this->Filter, begin / all, (begin + 1) / all)));
-  }
-  return Status::Ok();
-}
-
-Status vtkVolumeProbe::Steps::ProbeOne(const isosurface::LevelSamples& samples, vtkDataSet* dataset,
-  const isosurface::Progress& progress)
-{
-  const isosurface::BlockedVolume& volume = samples.GetVolume();
-  const isosurface::VertexPlaces places(volume.GetHeader().Grid, volume.GetLines(0));
-  const auto find = [dataset](std::int64_t point)
-  {
-    std::array<double, 3> place{};
-    dataset->GetPoint(point, place.data());
-    return place;
-  };
-  const vtkIdType points = dataset->GetNumberOfPoints();
-  if (points > 0)
-  {
-    find(0); // from then on several threads may ask for points
-  }
-  const auto interpolation = this->Filter.Interpolation == NEAREST
-    ? isosurface::Interpolation::Nearest
-    : isosurface::Interpolation::Linear;
-  vtkNew<vtkCharArray> mask;
-  mask->SetName("vtkValidPointMask");
-  isosurface::AllocateTuples(mask, points);
-  mask->FillValue(0);
-  auto* isInside = reinterpret_cast<std::uint8_t*>(mask->GetPointer(0));
-  const std::vector<std::size_t>& arrays = this->Input.GetHandle().GetArrays();
-  std::vector<void*> values;
-  for (const std::size_t array : arrays)
-  {
-    values.push_back(AddPointArray(dataset, volume.GetHeader().Arrays[array]));
-  }
-  isosurface::QueryStatistics statistics;
-  ISOSURFACE_RETURN_IF_ERROR(
-    isosurface::SampleComponents(volume.GetVariables(), arrays, values, progress,
-      [&](std::size_t variable, void* first, int stride, const isosurface::Progress& advance)
-      {
-        return isosurface::SamplePoints(samples, variable, interpolation,
-          isosurface::MakePointPortions(points, places, find), this->Threads, first, stride,
-          isInside, statistics, advance);
-      }));
-  dataset->GetPointData()->AddArray(mask);
-  this->Points += static_cast<std::uint64_t>(points);
-  this->PointsInside +=
-    static_cast<std::uint64_t>(std::count(isInside, isInside + points, std::uint8_t{ 1 }));
-  return Status::Ok();
+  return EndExecution(this, output, status);
 }
 
 void vtkVolumeProbe::PrintSelf(ostream& os, vtkIndent indent)

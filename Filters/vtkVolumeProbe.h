@@ -33,11 +33,9 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /**
-   * The dataset with the points, the second input.
-   */
-  void SetSourceConnection(vtkAlgorithmOutput* points);
-  void SetSourceData(vtkDataObject* points);
+  /// The dataset with the points, the second input.
+  void SetSourceConnection(vtkAlgorithmOutput* points) { this->SetInputConnection(1, points); }
+  void SetSourceData(vtkDataObject* points) { this->SetInputData(1, points); }
   ///@}
 
   enum InterpolationType
@@ -47,17 +45,13 @@ public:
   };
 
   ///@{
-  /**
-   * How values between vertices are made: LINEAR (the default), integers being rounded, or NEAREST.
-   */
+  /// How values between vertices are made: LINEAR (the default), integers being rounded, or NEAREST.
   vtkSetClampMacro(Interpolation, int, NEAREST, LINEAR);
   vtkGetMacro(Interpolation, int);
   ///@}
 
   ///@{
-  /**
-   * The ranks that execute together, the global controller by default. Null: this rank alone.
-   */
+  /// The ranks that execute together, the global controller by default. Null: this rank alone.
   virtual void SetController(vtkMultiProcessController* controller);
   vtkGetObjectMacro(Controller, vtkMultiProcessController);
   ///@}
@@ -81,8 +75,6 @@ protected:
 private:
   vtkVolumeProbe(const vtkVolumeProbe&) = delete;
   void operator=(const vtkVolumeProbe&) = delete;
-
-  struct Steps; ///< of RequestData
 
   int Interpolation = LINEAR;
   vtkMultiProcessController* Controller = nullptr;

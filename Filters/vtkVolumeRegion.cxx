@@ -16,9 +16,7 @@
 
 vtkStandardNewMacro(vtkVolumeRegion);
 
-using isosurface::ImagePlan;
-using isosurface::Status;
-using isosurface::StatusCode;
+using namespace isosurface;
 
 namespace
 {
@@ -33,55 +31,39 @@ std::string DescribeMemory(double bytes)
   return text;
 }
 
-// How many bytes one sample of each of the arrays takes.
-double CountBytesOfSample(
-  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays)
-{
-  double bytes = 0;
-  for (const std::size_t array : arrays)
-  {
-    const isosurface::ArrayDescription& description = volume.GetHeader().Arrays[array];
-    bytes +=
-      static_cast<double>(isosurface::GetValueSize(description.Type)) * description.Components;
-  }
-  return bytes;
-}
-
-// The vertices of full resolution around a box; empty if it is beside the volume.
-isosurface::VertexBox FindVertices(
-  const isosurface::BlockedVolume& volume, const double low[3], const double size[3])
-{
-  return isosurface::VertexPlaces(volume.GetHeader().Grid, volume.GetLines(0))
-    .FindVerticesAround(
-      { low[0], low[1], low[2] }, { low[0] + size[0], low[1] + size[1], low[2] + size[2] });
-}
-
 } // namespace
-
-vtkVolumeRegion::vtkVolumeRegion() = default;
-vtkVolumeRegion::~vtkVolumeRegion() = default;
 
 std::uint64_t vtkVolumeRegion::SumProperties()
 {
-  isosurface::Fingerprint properties;
+  Fingerprint properties;
   properties.AddReals(this->Position);
   properties.AddReals(this->Length);
   properties.AddNumber(static_cast<std::uint64_t>(this->MemoryLimit));
   return properties.Get();
 }
 
-Status vtkVolumeRegion::Plan(const isosurface::BlockedVolume& volume,
-  const std::vector<std::size_t>& arrays, bool, ImagePlan& plan)
+Status vtkVolumeRegion::Plan(
+  const BlockedVolume& volume, const std::vector<std::size_t>& arrays, bool, ImagePlan& plan)
 {
   vtkMultiProcessController* ranks = this->GetController();
-  const isosurface::VertexBox finest = FindVertices(volume, this->Position, this->Length);
+  const double* low = this->Position;
+  const double* length = this->Length;
+  // Of full resolution; empty if it is beside the volume.
+  const VertexBox finest = VertexPlaces(volume.GetHeader().Grid, volume.GetLines(0))
+                             .FindVerticesAround({ low[0], low[1], low[2] },
+                               { low[0] + length[0], low[1] + length[1], low[2] + length[2] });
   if (finest.IsEmpty())
   {
     return { StatusCode::InvalidArgument, volume.GetPath() + ": the box is beside the volume" };
   }
-  auto found = isosurface::PlanBox(volume, finest,
-    this->MemoryLimit * Mebibyte * (ranks ? ranks->GetNumberOfProcesses() : 1) /
-      CountBytesOfSample(volume, arrays));
+  double bytes = 0; // of a sample of all arrays
+  for (const std::size_t array : arrays)
+  {
+    const ArrayDescription& description = volume.GetHeader().Arrays[array];
+    bytes += static_cast<double>(GetValueSize(description.Type)) * description.Components;
+  }
+  auto found = PlanBox(volume, finest,
+    this->MemoryLimit * Mebibyte * (ranks ? ranks->GetNumberOfProcesses() : 1) / bytes);
   if (!found)
   {
     return { StatusCode::InvalidArgument,
@@ -89,22 +71,13 @@ Status vtkVolumeRegion::Plan(const isosurface::BlockedVolume& volume,
         std::to_string(this->MemoryLimit) + " MiB" };
   }
   plan = std::move(*found);
+  const Index3 size = plan.Grid.GetDimensions();
+  plan.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+    std::to_string(size[2]) + " samples, " + DescribeMemory(bytes * plan.CountPoints());
+  plan.Note = plan.Level == 0 ? ""
+                              : "; full resolution takes " +
+      DescribeMemory(bytes * static_cast<double>(finest.GetNumberOfVertices()));
   return Status::Ok();
-}
-
-std::string vtkVolumeRegion::Describe(const ImagePlan& plan,
-  const isosurface::BlockedVolume& volume, const std::vector<std::size_t>& arrays,
-  const std::string& level)
-{
-  const double bytes = CountBytesOfSample(volume, arrays);
-  const isosurface::Index3 size = plan.Grid.GetDimensions();
-  const isosurface::VertexBox finest = FindVertices(volume, this->Position, this->Length);
-  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
-    std::to_string(size[2]) + " samples, " + DescribeMemory(bytes * plan.CountPoints()) + ", " +
-    level +
-    (plan.Level == 0 ? ""
-                     : "; full resolution takes " +
-          DescribeMemory(bytes * static_cast<double>(finest.GetNumberOfVertices())));
 }
 
 void vtkVolumeRegion::PrintSelf(ostream& os, vtkIndent indent)

@@ -24,10 +24,8 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /**
-   * The low corner of the box and its lengths, in world coordinates. Default: 0 0 0, 1 1 1. Of a
-   * volume whose axes are not those of the world, all samples around the box are taken.
-   */
+  /// The low corner of the box and its lengths, in world coordinates. Default: 0 0 0, 1 1 1. Of a
+  /// volume whose axes are not those of the world, all samples around the box are taken.
   vtkSetVector3Macro(Position, double);
   vtkGetVector3Macro(Position, double);
   vtkSetVector3Macro(Length, double);
@@ -35,24 +33,20 @@ public:
   ///@}
 
   ///@{
-  /**
-   * Mebibytes that the output may take on each rank: the finest level of the volume that keeps it is
-   * given. Default 1024.
-   */
+  /// Mebibytes that the output may take on each rank: the finest level of the volume that keeps it is
+  /// given. Default 1024.
   vtkSetClampMacro(MemoryLimit, int, 1, VTK_INT_MAX);
   vtkGetMacro(MemoryLimit, int);
   ///@}
 
 protected:
-  vtkVolumeRegion();
-  ~vtkVolumeRegion() override;
+  vtkVolumeRegion() = default;
+  ~vtkVolumeRegion() override = default;
 
   std::uint64_t SumProperties() override;
   /// The finest level that keeps the memory limit.
   isosurface::Status Plan(const isosurface::BlockedVolume& volume,
     const std::vector<std::size_t>& arrays, bool isCoarse, isosurface::ImagePlan& plan) override;
-  std::string Describe(const isosurface::ImagePlan& plan, const isosurface::BlockedVolume& volume,
-    const std::vector<std::size_t>& arrays, const std::string& level) override;
 
 private:
   vtkVolumeRegion(const vtkVolumeRegion&) = delete;

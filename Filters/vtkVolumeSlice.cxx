@@ -27,24 +27,16 @@
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <utility>
 #include <vector>
 
 vtkStandardNewMacro(vtkVolumeSlice);
 
-using isosurface::ImagePlan;
-using isosurface::Status;
-using isosurface::StatusCode;
+using namespace isosurface;
 
 namespace
 {
-
-// Of a coarse slice: two cores read and draw it within some 0.1 s.
-constexpr double CoarsePoints = 3e5;
-// Level 1 is stored in the blocks of full resolution, and would read as much.
-constexpr int CoarseLevel = 2;
 
 // Leaves out the lines with a place without samples, and their points.
 void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
@@ -54,7 +46,7 @@ void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
     return;
   }
   const int* extent = image->GetExtent();
-  isosurface::ImageLines all;
+  ImageLines all;
   for (vtkIdType point = 0; point < lines->GetNumberOfPoints(); ++point)
   {
     double index[3];
@@ -68,8 +60,8 @@ void RemoveLinesWithoutSamples(vtkImageData* image, vtkPolyData* lines)
     all.Lines.push_back({ ends->GetId(0), ends->GetId(1) });
   }
   vtkUnsignedCharArray* hidden = image->GetPointGhostArray();
-  const isosurface::KeptLines kept = isosurface::KeepSampledLines(all, extent[1] - extent[0] + 1,
-    extent[3] - extent[2] + 1, hidden ? hidden->GetPointer(0) : nullptr);
+  const KeptLines kept = KeepSampledLines(all, extent[1] - extent[0] + 1, extent[3] - extent[2] + 1,
+    hidden ? hidden->GetPointer(0) : nullptr);
 
   vtkNew<vtkIdList> numbers;
   for (const std::int64_t point : kept.Points)
@@ -118,8 +110,6 @@ vtkVolumeSlice::vtkVolumeSlice()
   this->SetNumberOfOutputPorts(2);
 }
 
-vtkVolumeSlice::~vtkVolumeSlice() = default;
-
 int vtkVolumeSlice::FillOutputPortInformation(int port, vtkInformation* info)
 {
   info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkImageData" : "vtkPolyData");
@@ -129,16 +119,6 @@ int vtkVolumeSlice::FillOutputPortInformation(int port, vtkInformation* info)
 vtkPolyData* vtkVolumeSlice::GetIsolines()
 {
   return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-void vtkVolumeSlice::SetIsolineArray(const char* name)
-{
-  const std::string changed = name ? name : "";
-  if (this->IsolineArray != changed)
-  {
-    this->IsolineArray = changed;
-    this->Modified();
-  }
 }
 
 vtkMTimeType vtkVolumeSlice::GetMTime()
@@ -155,20 +135,15 @@ int vtkVolumeSlice::RequestData(
   if (status.IsOk() && this->Isovalues->GetNumberOfContours() > 0)
   {
     auto* image = vtkImageData::GetData(output, 0);
-    isosurface::ControllerCommunicator ranks(this->GetController());
-    status = isosurface::AttemptOnAll(ranks, "the isolines cannot be made",
+    ControllerCommunicator ranks(this->GetController());
+    status = AttemptOnAll(ranks, "the isolines cannot be made",
       [&]
       {
         this->MakeIsolines(image, isolines);
         return Status::Ok();
       });
-    if (!status.IsOk())
-    {
-      image->Initialize();
-      isolines->Initialize();
-    }
   }
-  return isosurface::EndExecution(this, output, status);
+  return EndExecution(this, output, status);
 }
 
 void vtkVolumeSlice::MakeIsolines(vtkImageData* image, vtkPolyData* isolines)
@@ -184,15 +159,15 @@ void vtkVolumeSlice::MakeIsolines(vtkImageData* image, vtkPolyData* isolines)
   }
   if (!array)
   {
-    isosurface::ReportWarning(this, isosurface::ControllerCommunicator(this->GetController()),
-      Status::Ok(), "there are no isolines: the slice has no array \"" + name + "\"");
+    ReportWarning(this, ControllerCommunicator(this->GetController()), Status::Ok(),
+      "there are no isolines: the slice has no array \"" + name + "\"");
     return;
   }
   vtkNew<vtkImageData> scalars;
   scalars->CopyStructure(image);
   scalars->GetPointData()->SetScalars(array);
-  const isosurface::GridGeometry grid = isosurface::MakeGridGeometry(image, image->GetExtent());
-  const bool areDouble = isosurface::NeedsDoublePoints(grid, nullptr);
+  const GridGeometry grid = MakeGridGeometry(image, image->GetExtent());
+  const bool areDouble = NeedsDoublePoints(grid, nullptr);
   if (areDouble)
   {
     scalars->SetOrigin(0, 0, 0);
@@ -217,7 +192,7 @@ void vtkVolumeSlice::MakeIsolines(vtkImageData* image, vtkPolyData* isolines)
 
 std::uint64_t vtkVolumeSlice::SumProperties()
 {
-  isosurface::Fingerprint properties;
+  Fingerprint properties;
   properties.AddReals(this->Origin);
   properties.AddReals(this->Normal);
   properties.AddNumber(static_cast<std::uint64_t>(this->Interpolation));
@@ -230,38 +205,22 @@ std::uint64_t vtkVolumeSlice::SumProperties()
   return properties.Get();
 }
 
-Status vtkVolumeSlice::Plan(const isosurface::BlockedVolume& volume,
-  const std::vector<std::size_t>&, bool isCoarse, ImagePlan& plan)
+Status vtkVolumeSlice::Plan(
+  const BlockedVolume& volume, const std::vector<std::size_t>&, bool isCoarse, ImagePlan& plan)
 {
-  isosurface::Plane plane;
-  std::copy_n(this->Origin, 3, plane.Origin.begin());
-  std::copy_n(this->Normal, 3, plane.Normal.begin());
-  const auto interpolation = this->Interpolation == NEAREST ? isosurface::Interpolation::Nearest
-                                                            : isosurface::Interpolation::Linear;
-  auto found = isosurface::PlanSlice(volume, plane, interpolation, 1e6 * this->MaximumPoints);
+  const double* origin = this->Origin;
+  const double* normal = this->Normal;
+  const Plane plane{ { origin[0], origin[1], origin[2] }, { normal[0], normal[1], normal[2] } };
+  const auto interpolation = static_cast<isosurface::Interpolation>(this->Interpolation);
+  auto found = isCoarse ? PlanCoarseSlice(volume, plane, interpolation, 1e6 * this->MaximumPoints)
+                        : PlanSlice(volume, plane, interpolation, 1e6 * this->MaximumPoints);
   if (!found)
   {
     return { StatusCode::InvalidArgument,
       volume.GetPath() + ": the plane is beside the volume, or its normal is 0" };
   }
   plan = std::move(*found);
-  if (isCoarse && plan.CountPoints() > CoarsePoints)
-  {
-    auto coarse = isosurface::PlanSlice(
-      volume, plane, interpolation, CoarsePoints, std::max(plan.Level, CoarseLevel));
-    if (coarse)
-    {
-      plan = std::move(*coarse);
-    }
-  }
   return Status::Ok();
-}
-
-std::string vtkVolumeSlice::Describe(const ImagePlan& plan, const isosurface::BlockedVolume&,
-  const std::vector<std::size_t>&, const std::string& level)
-{
-  const isosurface::Index3 size = plan.Grid.GetDimensions();
-  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points, " + level;
 }
 
 void vtkVolumeSlice::PrintSelf(ostream& os, vtkIndent indent)

@@ -35,9 +35,7 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /**
-   * A point of the plane and its normal, in world coordinates. Default: 0 0 0, 0 0 1.
-   */
+  /// A point of the plane and its normal, in world coordinates. Default: 0 0 0, 0 0 1.
   vtkSetVector3Macro(Origin, double);
   vtkGetVector3Macro(Origin, double);
   vtkSetVector3Macro(Normal, double);
@@ -51,27 +49,21 @@ public:
   };
 
   ///@{
-  /**
-   * How values between vertices are made: LINEAR (the default), integers being rounded, or NEAREST.
-   */
+  /// How values between vertices are made: LINEAR (the default), integers being rounded, or NEAREST.
   vtkSetClampMacro(Interpolation, int, NEAREST, LINEAR);
   vtkGetMacro(Interpolation, int);
   ///@}
 
   ///@{
-  /**
-   * The maximum number of points of the image, in millions; the finest level of the volume that
-   * keeps it is shown. Default 16.
-   */
+  /// The maximum number of points of the image, in millions; the finest level of the volume that
+  /// keeps it is shown. Default 16.
   vtkSetClampMacro(MaximumPoints, double, 0.01, 2000);
   vtkGetMacro(MaximumPoints, double);
   ///@}
 
   ///@{
-  /**
-   * The isovalues of the second output, isolines of the image: lines of two points. On a plane through
-   * vertices they have the points that the isosurface has there. None by default.
-   */
+  /// The isovalues of the second output, isolines of the image: lines of two points. On a plane through
+  /// vertices they have the points that the isosurface has there. None by default.
   void SetValue(int i, double value) { this->Isovalues->SetValue(i, value); }
   double GetValue(int i) { return this->Isovalues->GetValue(i); }
   void SetNumberOfContours(int number) { this->Isovalues->SetNumberOfContours(number); }
@@ -81,11 +73,9 @@ public:
   ///@}
 
   ///@{
-  /**
-   * The array of the isolines, of which the first component counts. Empty, the default: the first
-   * array.
-   */
-  void SetIsolineArray(const char* name);
+  /// The array of the isolines, of which the first component counts. Empty, the default: the first
+  /// array.
+  vtkSetStdStringFromCharMacro(IsolineArray);
   vtkGetCharFromStdStringMacro(IsolineArray);
   ///@}
 
@@ -93,14 +83,12 @@ public:
 
 protected:
   vtkVolumeSlice();
-  ~vtkVolumeSlice() override;
+  ~vtkVolumeSlice() override = default;
 
   std::uint64_t SumProperties() override;
   /// The plane at the finest level that has few enough points.
   isosurface::Status Plan(const isosurface::BlockedVolume& volume,
     const std::vector<std::size_t>& arrays, bool isCoarse, isosurface::ImagePlan& plan) override;
-  std::string Describe(const isosurface::ImagePlan& plan, const isosurface::BlockedVolume& volume,
-    const std::vector<std::size_t>& arrays, const std::string& level) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;

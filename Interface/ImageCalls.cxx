@@ -129,18 +129,14 @@ Status TakePiece(const si_piece* given, TakenImages& images)
   ISOSURFACE_ASSIGN_OR_RETURN(const auto described, TakeGrid(piece.grid));
   ISOSURFACE_RETURN_IF_ERROR(CheckArrays(piece, images));
   const GridGeometry& own = described.Grid;
-  MemoryImage image{ own, described.Lines, piece.whole != nullptr, {}, {} };
+  MemoryImage image{ own, described.Lines, false, {}, {} };
   if (image.Lines)
   {
     ISOSURFACE_RETURN_IF_ERROR(image.Lines->Check(own.GetDimensions()));
   }
-  // What lines there are beyond the pieces is not known.
-  for (std::size_t axis = 0; piece.whole && !image.Lines && axis < 3; ++axis)
+  if (piece.whole)
   {
-    std::int64_t& low = image.Grid.Extent[2 * axis];
-    std::int64_t& high = image.Grid.Extent[2 * axis + 1];
-    low = std::min(low, piece.whole[2 * axis]);
-    high = std::max(high, piece.whole[2 * axis + 1]);
+    image.Declare(piece.whole);
   }
   image.Block.assign(piece.block.numbers, piece.block.numbers + piece.block.count);
   image.MakePiece = [piece, own, contoured = images.Given.scalar.array](const GridGeometry& grid)
@@ -171,45 +167,30 @@ MemoryQuery MakeImageQuery(const TakenImages& images, const CollectedGrids& grid
   query.Component = images.Choice;
   query.Region = images.Request.Surfaces.Where;
   query.Threads = images.Request.Surfaces.Threads;
-  query.Request = MakeContourRequest(images.Request.Surfaces);
+  query.Request = images.Request.Surfaces;
   query.Request.GlobalIds = true;
-  for (const InterpolatedArray& array : images.Arrays)
-  {
-    query.Request.Attributes.push_back(array.Layout);
-  }
+  query.Request.Attributes = GetLayouts(images.Arrays);
   for (std::size_t number = 0; number < query.Samples.Pieces.size(); ++number)
   {
     MemoryPiece& piece = query.Samples.Pieces[number];
-    const SampleView& scalars = piece.Components.front();
+    const SampleView scalars = piece.Components.front();
     for (std::size_t attribute = 0; attribute < request.attribute_count; ++attribute)
     {
-      AttributeView view{ ViewArray(
-        images.Pieces[grids.Images[number]], request.attributes[attribute], scalars.Available) };
-      for (SampleView& component : view.Components)
-      {
-        component.Box = scalars.Box;
-      }
-      piece.Attributes.push_back(std::move(view));
+      piece.AddAttribute({ ViewArray(
+        images.Pieces[grids.Images[number]], request.attributes[attribute], scalars.Available) });
     }
   }
   return query;
 }
 
 /// Tells the block of each point, if there are several.
-void AddBlocks(
-  const std::vector<std::int64_t>& firstIds, const CollectedGrids& grids, OwnedSurface& surface)
+void AddBlocks(const MemoryQuery& query, const CollectedGrids& grids, OwnedSurface& surface)
 {
   if (grids.Paths.size() < 2)
   {
     return;
   }
-  const std::int64_t* const ids = surface.Owned.GlobalIds.GetData();
-  for (std::size_t point = 0; point < surface.point_count; ++point)
-  {
-    const auto next = std::upper_bound(firstIds.begin(), firstIds.end(), ids[point]);
-    const auto grid = static_cast<std::size_t>(next - firstIds.begin() - 1);
-    surface.OfPoints.push_back(static_cast<std::int32_t>(grids.Blocks[grid]));
-  }
+  surface.OfPoints = query.FindBlocks(surface.Owned, grids.Blocks);
   surface.Paths = grids.Paths;
   for (const std::vector<std::int64_t>& path : surface.Paths)
   {
@@ -218,18 +199,6 @@ void AddBlocks(
   surface.block_count = surface.Blocks.size();
   surface.blocks = surface.Blocks.data();
   surface.block_ids = surface.OfPoints.data();
-}
-
-/// Extracts the surface of this rank's pieces. Collective; the error may be this rank's alone.
-Status ExtractImages(Communicator& ranks, MemoryField& field, const SurfaceRequest& request,
-  ExtractionOutcome& outcome, ChosenIslands& islands)
-{
-  const Status extracted = field.Extract(ranks, 0, outcome);
-  return request.Islands ? ChooseIslands(
-                             ranks, extracted, *request.Islands,
-                             [&] { return field.MakeQuery(0).MakeIslandGrids(ranks); },
-                             request.Threads, outcome.Extracted, islands)
-                         : ranks.Agree(extracted);
 }
 
 } // namespace
@@ -269,9 +238,12 @@ si_result si_images_extract(si_images* images, size_t count, const si_piece* con
           return Status::Ok();
         }));
       ExtractionOutcome outcome;
-      ChosenIslands islands;
-      const Status status = ExtractImages(ranks, images->Field, wanted, outcome, islands);
-      const std::vector<std::int64_t> firstIds = images->Field.MakeQuery(0).FindFirstIds();
+      const Status extracted = images->Field.Extract(ranks, 0, outcome);
+      const Status status = ranks.Agree(ChooseIslands(
+        ranks, extracted, wanted.Islands,
+        [&] { return images->Field.MakeQuery(0).MakeIslandGrids(ranks); }, wanted.Threads,
+        outcome));
+      const MemoryQuery query = images->Field.MakeQuery(0);
       images->Field.Release();
       ISOSURFACE_RETURN_IF_ERROR(status);
       std::vector<std::string> names;
@@ -280,8 +252,8 @@ si_result si_images_extract(si_images* images, size_t count, const si_piece* con
         names.push_back(array.Name);
       }
       auto made = std::make_unique<OwnedSurface>(std::move(outcome.Extracted), wanted.Normals,
-        wanted.GlobalIds, std::move(names), 0, std::move(islands));
-      AddBlocks(firstIds, *grids, *made);
+        wanted.GlobalIds, std::move(names), 0, std::move(outcome.Islands));
+      AddBlocks(query, *grids, *made);
       return Give(std::move(made), surface);
     });
 }

@@ -123,27 +123,24 @@ Result<TakenRequest> TakeRequest(const si_surface_request& taken, Call& call)
     halfSpaces[number].Offset = numbers[3];
   }
   request.Where = request.Where.Intersect(Region(std::move(halfSpaces)));
+  MatchVtk(taken.vtk_version, request);
   request.Polygons = taken.polygons != 0;
   request.SkipNotANumber = taken.skip_not_a_number != 0;
-  request.VtkVersion = taken.vtk_version;
   request.Normals = taken.normals != 0;
   request.GlobalIds = taken.global_ids != 0;
   request.Precision = taken.points == SI_FLOAT32 ? PointPrecision::Single
     : taken.points == SI_FLOAT64                 ? PointPrecision::Double
                                                  : PointPrecision::Default;
+  request.DropDegenerateTriangles = taken.drop_degenerate_triangles != 0;
   if (taken.closed != 0)
   {
-    request.ClosedSides = GridSides::All();
-    request.ClosedSides.AreBeyondInside = taken.closed < 0;
+    request.Close(taken.closed < 0);
   }
-  request.DropDegenerateTriangles = taken.closed != 0 || taken.drop_degenerate_triangles != 0;
   if (taken.minimum_island > 0 || taken.maximum_islands > 0 || taken.island_point ||
     taken.island_ids != 0)
   {
     request.Islands.emplace();
-    request.Islands->Size = taken.island_size == SI_BY_AREA ? IslandSize::Area
-      : taken.island_size == SI_BY_VOLUME                   ? IslandSize::Volume
-                                                            : IslandSize::Triangles;
+    request.Islands->Size = static_cast<IslandSize>(taken.island_size);
     request.Islands->MinimumSize = taken.minimum_island;
     request.Islands->MaximumIslands = taken.maximum_islands;
     request.Islands->Ids = taken.island_ids != 0;
@@ -168,8 +165,8 @@ Result<TakenRequest> TakeRequest(
   ISOSURFACE_ASSIGN_OR_RETURN(const auto samples, volume.Find(taken.scalar));
   ISOSURFACE_ASSIGN_OR_RETURN(auto made, TakeRequest(taken, call));
   made.Samples = samples;
-  made.Surfaces.Attributes.assign(taken.attributes, taken.attributes + taken.attribute_count);
-  for (const std::size_t array : made.Surfaces.Attributes)
+  made.Surfaces.Arrays.assign(taken.attributes, taken.attributes + taken.attribute_count);
+  for (const std::size_t array : made.Surfaces.Arrays)
   {
     ISOSURFACE_RETURN_IF_ERROR(volume.Check(array, 0, 0));
     made.Names.emplace_back(volume.Arrays[array].name);
@@ -198,9 +195,12 @@ struct si_surface_file
 {
   explicit si_surface_file(std::shared_ptr<SurfaceFile> opened)
     : File(std::move(opened))
-    , Attributes(this->File->GetAttributes())
   {
     const EdgeIndexHeader& header = this->File->GetHeader();
+    for (const InterpolatedArray& array : this->File->GetArrays())
+    {
+      this->Attributes.push_back(array.Name);
+    }
     for (const std::string& name : this->Attributes)
     {
       this->Names.push_back(name.c_str());
@@ -221,7 +221,7 @@ struct si_surface_file
   si_surface_file& operator=(const si_surface_file&) = delete;
 
   const std::shared_ptr<SurfaceFile> File;
-  const std::vector<std::string> Attributes;
+  std::vector<std::string> Attributes;
   std::vector<const char*> Names;
   si_surface_file_info Info{};
 };
@@ -321,15 +321,8 @@ si_result si_volume_write_surface(si_volume* volume, const si_surface_request* r
       coded.Settings.Mode = static_cast<EdgeIndexMode>(given->mode);
       coded.Settings.MaximumError = orUsual(given->maximum_error, coded.Settings.MaximumError);
       coded.Settings.Profile = static_cast<EdgeIndexProfile>(given->profile);
-      if (given->mode == SI_QUANTIZED)
-      {
-        const auto range = ReadRange(*volume->File, taken.Samples, call.GetProgress());
-        ISOSURFACE_RETURN_IF_ERROR(call.GetRanks().Agree(range.GetStatus()));
-        coded.Settings.SetQuantizationRange((*range)[0], (*range)[1]);
-        coded.Settings.QuantizationBits = given->quantization_bits != 0
-          ? given->quantization_bits
-          : coded.Settings.QuantizationBits;
-      }
+      coded.Settings.QuantizationBits =
+        given->quantization_bits != 0 ? given->quantization_bits : coded.Settings.QuantizationBits;
       coded.PreviewLevel = given->preview_level;
       coded.ArrayError = given->array_error;
       coded.NormalError =

@@ -209,13 +209,10 @@ struct OwnedSpectrum : si_spectrum
   explicit OwnedSpectrum(std::shared_ptr<const WorkloadSpectrum> spectrum)
     : si_spectrum{}
     , Owned(std::move(spectrum))
-    , Area(Scale(this->Owned->Area, this->Owned->AreaUnit))
-    , Volume(Scale(this->Owned->Volume, this->Owned->VolumeUnit))
+    , Area(this->Owned->Scale(this->Owned->Area))
+    , Volume(this->Owned->Scale(this->Owned->Volume))
+    , Isovalues(this->Owned->Bins.GetEdges())
   {
-    for (std::uint32_t bin = 0; bin < this->Owned->Bins.Count; ++bin)
-    {
-      this->Isovalues.push_back(this->Owned->Bins.GetEdge(bin));
-    }
     const auto give = [](const auto& values) { return values.empty() ? nullptr : values.data(); };
     this->size = sizeof(si_spectrum);
     this->count = this->Isovalues.size();
@@ -228,18 +225,10 @@ struct OwnedSpectrum : si_spectrum
     this->volume = give(this->Volume);
   }
 
-  static std::vector<double> Scale(const WorkloadSpectrum::Counts& counts, double unit)
-  {
-    std::vector<double> scaled(counts.size());
-    std::transform(counts.begin(), counts.end(), scaled.begin(),
-      [unit](std::uint64_t count) { return static_cast<double>(count) * unit; });
-    return scaled;
-  }
-
   const std::shared_ptr<const WorkloadSpectrum> Owned;
   const std::vector<double> Area;
   const std::vector<double> Volume;
-  std::vector<double> Isovalues;
+  const std::vector<double> Isovalues;
 };
 
 /// What a box asks for; all of it must be in the volume, and have `bytes`.

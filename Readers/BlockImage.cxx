@@ -132,14 +132,6 @@ void FillWithRange(const KeyRange& range, ValueType type, int component, vtkData
     });
 }
 
-double GetValueOfKey(ValueKey key, ValueType type)
-{
-  double result = 0;
-  DispatchValueType(
-    type, [&](auto zero) { result = static_cast<double>(MakeValueOfKey<decltype(zero)>(key)); });
-  return result;
-}
-
 void AddGhosts(vtkImageData* image, const VertexBox& available, const VertexBox& own)
 {
   image->GetPointData()->AddArray(
@@ -195,36 +187,35 @@ void StoreVolumeRanges(
 {
   const ArrayDescription& description = volume.GetHeader().Arrays[array];
   const std::vector<KeyRange>& ranges = volume.GetHeader().TimeSteps[timeStep].Ranges;
-  const auto find = [&](int choice, ValueType type, double range[2])
+  std::array<double, 2> range;
+  const auto find = [&](int choice)
   {
     const auto variable = volume.GetVariables().FindChoice(array, choice);
-    if (!variable || *variable >= ranges.size() || ranges[*variable].IsEmpty())
+    if (!variable || *variable >= ranges.size())
     {
       return false;
     }
-    range[0] = GetValueOfKey(ranges[*variable].Minimum, type);
-    range[1] = GetValueOfKey(ranges[*variable].Maximum, type);
+    range = ranges[*variable].GetValues(volume.GetVariables()[*variable].Type);
     return std::isfinite(range[0]) && std::isfinite(range[1]);
   };
   vtkNew<vtkInformationVector> components;
-  double range[2];
   for (int component = 0; component < description.Components; ++component)
   {
-    if (!find(component, description.Type, range))
+    if (!find(component))
     {
       return;
     }
     vtkNew<vtkInformation> information;
-    information->Set(vtkDataArray::COMPONENT_RANGE(), range, 2);
+    information->Set(vtkDataArray::COMPONENT_RANGE(), range.data(), 2);
     components->Append(information);
   }
   vtkInformation* known = values->GetInformation();
   known->Set(vtkDataArray::PER_COMPONENT(), components);
   known->Set(vtkDataArray::PER_FINITE_COMPONENT(), components);
-  if (description.Components > 1 && find(description.Components, ValueType::Float64, range))
+  if (description.Components > 1 && find(description.Components))
   {
-    known->Set(vtkDataArray::L2_NORM_RANGE(), range, 2);
-    known->Set(vtkDataArray::L2_NORM_FINITE_RANGE(), range, 2);
+    known->Set(vtkDataArray::L2_NORM_RANGE(), range.data(), 2);
+    known->Set(vtkDataArray::L2_NORM_FINITE_RANGE(), range.data(), 2);
   }
 }
 

@@ -6,7 +6,6 @@
 #include "vtkBlockedVolumeHandle.h"
 #include "vtkInformationBlockedVolumeKey.h"
 
-#include "vtkDataArraySelection.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -203,42 +202,13 @@ int vtkBlockedVolumeReader::GetCacheSize()
   return static_cast<int>(isosurface::BlockCache::GetProcessCache()->GetBudget() / Mebibyte);
 }
 
-void vtkBlockedVolumeReader::SetSpacing(double x, double y, double z)
+void vtkBlockedVolumeReader::Change(
+  std::vector<double>& numbers, std::vector<double> kept, const std::vector<double>& added)
 {
-  this->Spacing = { x, y, z };
-  this->Modified();
-}
-
-void vtkBlockedVolumeReader::AddSpacing(double distance)
-{
-  this->Spacing.push_back(distance);
-  this->Modified();
-}
-
-void vtkBlockedVolumeReader::RemoveSpacing()
-{
-  if (!std::exchange(this->Spacing, {}).empty())
+  kept.insert(kept.end(), added.begin(), added.end());
+  if (numbers != kept)
   {
-    this->Modified();
-  }
-}
-
-void vtkBlockedVolumeReader::SetOrigin(double x, double y, double z)
-{
-  this->Origin = { x, y, z };
-  this->Modified();
-}
-
-void vtkBlockedVolumeReader::AddOrigin(double coordinate)
-{
-  this->Origin.push_back(coordinate);
-  this->Modified();
-}
-
-void vtkBlockedVolumeReader::RemoveOrigin()
-{
-  if (!std::exchange(this->Origin, {}).empty())
-  {
+    numbers = std::move(kept);
     this->Modified();
   }
 }
@@ -269,31 +239,6 @@ void vtkBlockedVolumeReader::TellGrid(const isosurface::GridGeometry& grid)
   this->FoundUnit = grid.Unit == isosurface::LengthUnit::Unknown
     ? UnknownUnit
     : isosurface::GetLengthUnitName(grid.Unit);
-}
-
-vtkDataArraySelection* vtkBlockedVolumeReader::GetPointDataArraySelection()
-{
-  return this->PointDataArraySelection;
-}
-
-int vtkBlockedVolumeReader::GetNumberOfPointArrays()
-{
-  return this->PointDataArraySelection->GetNumberOfArrays();
-}
-
-const char* vtkBlockedVolumeReader::GetPointArrayName(int index)
-{
-  return this->PointDataArraySelection->GetArrayName(index);
-}
-
-int vtkBlockedVolumeReader::GetPointArrayStatus(const char* name)
-{
-  return this->PointDataArraySelection->ArrayIsEnabled(name);
-}
-
-void vtkBlockedVolumeReader::SetPointArrayStatus(const char* name, int status)
-{
-  this->PointDataArraySelection->SetArraySetting(name, status);
 }
 
 vtkMTimeType vtkBlockedVolumeReader::GetMTime()
@@ -473,13 +418,9 @@ int vtkBlockedVolumeReader::RequestData(
   const auto news = reading.Volume->ShareStoreFaults(ranks);
   status = news.IsOk() ? ranks.Agree(status) : news.GetStatus();
   isosurface::ReportWarning(this, ranks, status, news.IsOk() ? news->Warning : "");
-  if (!status.IsOk())
+  if (!status.IsOk() && status.GetCode() != StatusCode::Aborted)
   {
-    partitions->Initialize();
-    if (status.GetCode() != StatusCode::Aborted)
-    {
-      this->Handle->EndTaking();
-    }
+    this->Handle->EndTaking();
   }
   return isosurface::EndExecution(this, output, status);
 }

@@ -21,6 +21,7 @@
 #define vtkBlockedVolumeReader_h
 
 #include "IsosurfaceReadersModule.h" // For export macro
+#include "vtkDataArraySelection.h"   // For the arrays
 #include "vtkPartitionedDataSetAlgorithm.h"
 #include "vtkSmartPointer.h" // For the handle
 
@@ -29,7 +30,6 @@
 #include <vector> // For times
 
 class vtkBlockedVolumeHandle;
-class vtkDataArraySelection;
 class vtkInformationBlockedVolumeKey;
 class vtkMultiProcessController;
 
@@ -95,12 +95,12 @@ public:
    * added one by one, three or none. What is not set is the file's, and so are the directions of the axes.
    * Of a rectilinear grid the unit alone can be set.
    */
-  void SetSpacing(double x, double y, double z);
-  void AddSpacing(double distance);
-  void RemoveSpacing();
-  void SetOrigin(double x, double y, double z);
-  void AddOrigin(double coordinate);
-  void RemoveOrigin();
+  void SetSpacing(double x, double y, double z) { this->Change(this->Spacing, {}, { x, y, z }); }
+  void AddSpacing(double distance) { this->Change(this->Spacing, this->Spacing, { distance }); }
+  void RemoveSpacing() { this->Change(this->Spacing, {}, {}); }
+  void SetOrigin(double x, double y, double z) { this->Change(this->Origin, {}, { x, y, z }); }
+  void AddOrigin(double coordinate) { this->Change(this->Origin, this->Origin, { coordinate }); }
+  void RemoveOrigin() { this->Change(this->Origin, {}, {}); }
   vtkSetStringMacro(LengthUnit);
   vtkGetStringMacro(LengthUnit);
   ///@}
@@ -118,11 +118,20 @@ public:
   /**
    * The point arrays that the output carries.
    */
-  vtkDataArraySelection* GetPointDataArraySelection();
-  int GetNumberOfPointArrays();
-  const char* GetPointArrayName(int index);
-  int GetPointArrayStatus(const char* name);
-  void SetPointArrayStatus(const char* name, int status);
+  vtkDataArraySelection* GetPointDataArraySelection() { return this->PointDataArraySelection; }
+  int GetNumberOfPointArrays() { return this->PointDataArraySelection->GetNumberOfArrays(); }
+  const char* GetPointArrayName(int index)
+  {
+    return this->PointDataArraySelection->GetArrayName(index);
+  }
+  int GetPointArrayStatus(const char* name)
+  {
+    return this->PointDataArraySelection->ArrayIsEnabled(name);
+  }
+  void SetPointArrayStatus(const char* name, int status)
+  {
+    this->PointDataArraySelection->SetArraySetting(name, status);
+  }
   ///@}
 
   ///@{
@@ -199,6 +208,8 @@ private:
   friend class vtkInPlaceVolumeReader;
   /// What is set of Spacing, Origin and LengthUnit. Errors name the file `path` and what is wrong with them.
   isosurface::Status MakePlace(const std::string& path, isosurface::GridPlace& place) const;
+  void Change(
+    std::vector<double>& numbers, std::vector<double> kept, const std::vector<double>& added);
   /// Sets what the file says.
   void TellGrid(const isosurface::GridGeometry& grid);
 

@@ -13,39 +13,29 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include "ArrayRanges.h"
-#include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "ControllerCommunicator.h"
 #include "ErrorReport.h"
-#include "Ground/Base/FileSystem.h"
+#include "Formats/Files/SurfaceFile.h"
 #include "Ground/Base/Fingerprint.h"
 #include "Ground/Base/WithinMemory.h"
-#include "Ground/Volume/VertexPlaces.h"
 #include "ImageSamples.h"
 #include "MatchVTK.h"
-#include "Surface/Contour/TriangleNormals.h"
 #include "SurfacePolyData.h"
 
 #include <algorithm>
-#include <cstring>
 
 vtkStandardNewMacro(vtkEdgeIndexReader);
 vtkCxxSetObjectMacro(vtkEdgeIndexReader, Controller, vtkMultiProcessController);
 
-namespace
-{
-using isosurface::EdgeIndexSelection;
-using isosurface::Status;
-using isosurface::StatusCode;
+using namespace isosurface;
 using Pipeline = vtkStreamingDemandDrivenPipeline;
-
-} // namespace
 
 struct vtkEdgeIndexReader::Internals
 {
   vtkEdgeIndexReader& Reader;
-  std::unique_ptr<isosurface::EdgeIndexFile> File; ///< null if it could not be opened
-  vtkMTimeType OpenTime = 0;                       ///< the reader's MTime when File was opened
-  std::string OpenError;                           ///< what kept it from being opened
+  std::shared_ptr<SurfaceFile> File; ///< null if it could not be opened
+  vtkMTimeType OpenTime = 0;         ///< the reader's MTime when File was opened
+  std::string OpenError;             ///< what kept it from being opened
   vtkNew<vtkDoubleArray> ContourValues;
 
   explicit Internals(vtkEdgeIndexReader& reader)
@@ -56,7 +46,7 @@ struct vtkEdgeIndexReader::Internals
   /// Opens the file anew if the properties changed.
   Status OpenFile();
   /// What tells ranks that see different files under one path, or have different properties.
-  std::vector<isosurface::CommonValue> MakeCommonValues() const;
+  std::vector<CommonValue> MakeCommonValues() const;
   EdgeIndexSelection MakeSelection(vtkInformation* outInfo) const;
   Status ReadSurface(vtkInformation* outInfo, int threads, vtkPolyData* output);
 };
@@ -76,10 +66,7 @@ vtkEdgeIndexReader::~vtkEdgeIndexReader()
 
 int vtkEdgeIndexReader::CanReadFile(const char* fileName)
 {
-  const auto file = isosurface::GetLocalFileSystem().OpenForReading(fileName ? fileName : "");
-  char head[8] = {};
-  return file.IsOk() && (*file)->Read(0, sizeof(head), head).IsOk() &&
-    std::memcmp(head, "EIXcode\n", sizeof(head)) == 0;
+  return SurfaceFile::CanRead(fileName ? fileName : "");
 }
 
 vtkDoubleArray* vtkEdgeIndexReader::GetContourValues()
@@ -96,8 +83,8 @@ Status vtkEdgeIndexReader::Internals::OpenFile()
     this->OpenError = "No file name is set.";
     if (const char* name = this->Reader.FileName; name && *name)
     {
-      auto file = isosurface::RunWithinMemory(name, ": there is not enough memory to open it",
-        [&] { return isosurface::EdgeIndexFile::Open(isosurface::GetLocalFileSystem(), name); });
+      auto file = RunWithinMemory(
+        name, ": there is not enough memory to open it", [&] { return SurfaceFile::Open(name); });
       this->OpenError = file.GetStatus().GetMessage();
       this->File = file.IsOk() ? std::move(*file) : nullptr;
     }
@@ -105,10 +92,10 @@ Status vtkEdgeIndexReader::Internals::OpenFile()
   return this->File ? Status::Ok() : Status(StatusCode::NotFound, this->OpenError);
 }
 
-std::vector<isosurface::CommonValue> vtkEdgeIndexReader::Internals::MakeCommonValues() const
+std::vector<CommonValue> vtkEdgeIndexReader::Internals::MakeCommonValues() const
 {
   const vtkEdgeIndexReader& reader = this->Reader;
-  isosurface::Fingerprint properties;
+  Fingerprint properties;
   for (const vtkTypeBool is :
     { reader.Preview, reader.UseRegion, reader.ComputeScalars, reader.ComputeNormals })
   {
@@ -117,8 +104,8 @@ std::vector<isosurface::CommonValue> vtkEdgeIndexReader::Internals::MakeCommonVa
   properties.AddReals(reader.RegionPosition);
   properties.AddReals(reader.RegionLength);
   return {
-    this->File ? isosurface::MakeCommonFile(this->File->GetPath(), this->File->GetFingerprint())
-               : isosurface::CommonValue{ 0, "" },
+    this->File ? MakeCommonFile(this->File->GetPath(), this->File->GetFingerprint())
+               : CommonValue{ 0, "" },
     { properties.Get(), "the properties of the reader are not the same on all ranks" },
   };
 }
@@ -136,7 +123,7 @@ int vtkEdgeIndexReader::RequestInformation(
   {
     return 1;
   }
-  const isosurface::EdgeIndexHeader& header = this->Internal->File->GetHeader();
+  const EdgeIndexHeader& header = this->Internal->File->GetHeader();
   for (const double isovalue : header.Isovalues)
   {
     this->Internal->ContourValues->InsertNextValue(isovalue);
@@ -154,13 +141,13 @@ int vtkEdgeIndexReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* output)
 {
   vtkPolyData* polyData = vtkPolyData::GetData(output, 0);
-  isosurface::ControllerCommunicator ranks(this->Controller);
+  ControllerCommunicator ranks(this->Controller);
   const Status opened = this->Internal->OpenFile();
   Status status = ranks.Agree(opened, this->Internal->MakeCommonValues());
   if (status.IsOk())
   {
     const int threads = ranks.ChooseThreads(this->NumberOfThreads);
-    if (ranks.GetRank() == 0 && !this->Internal->File->IsComplete())
+    if (ranks.GetRank() == 0 && !this->Internal->File->GetMissing().empty())
     {
       vtkWarningMacro(<< this->Internal->File->GetMissing());
     }
@@ -170,40 +157,33 @@ int vtkEdgeIndexReader::RequestData(
       vtkWarningMacro(<< this->FileName
                       << ": the file has no preview: the surface is read in full.");
     }
-    status = isosurface::RunWithinMemory(this->FileName,
-      ": there is not enough memory for the isosurface.",
+    status = RunWithinMemory(this->FileName, ": there is not enough memory for the isosurface.",
       [&]
       { return this->Internal->ReadSurface(output->GetInformationObject(0), threads, polyData); });
-    if (status.IsOk() && isosurface::IsAborted(*this))
+    if (status.IsOk() && IsAborted(*this))
     {
       status = Status(StatusCode::Aborted, "reading was aborted");
     }
     status = ranks.Agree(status);
   }
-  if (status.IsOk())
-  {
-    return 1;
-  }
-  polyData->Initialize();
-  if (status.GetCode() != StatusCode::Aborted)
+  if (!status.IsOk() && status.GetCode() != StatusCode::Aborted)
   {
     this->Internal->OpenTime = 0; // the file may be whole the next time
   }
-  return isosurface::EndExecution(this, output, status);
+  return EndExecution(this, output, status);
 }
 
 EdgeIndexSelection vtkEdgeIndexReader::Internals::MakeSelection(vtkInformation* outInfo) const
 {
-  const isosurface::EdgeIndexHeader& header = this->File->GetHeader();
+  const EdgeIndexHeader& header = this->File->GetHeader();
   EdgeIndexSelection selection;
   selection.Preview = this->Reader.Preview && header.PreviewLevel > 0;
   if (this->Reader.UseRegion)
   {
     const double* low = this->Reader.RegionPosition;
     const double* size = this->Reader.RegionLength;
-    selection.Box = isosurface::VertexPlaces(header.Geometry)
-                      .FindVerticesAround({ low[0], low[1], low[2] },
-                        { low[0] + size[0], low[1] + size[1], low[2] + size[2] });
+    selection.Box = this->File->FindVertices(
+      { low[0], low[0] + size[0], low[1], low[1] + size[1], low[2], low[2] + size[2] });
   }
   selection.Piece = outInfo->Get(Pipeline::UPDATE_PIECE_NUMBER());
   selection.NumberOfPieces = std::max(1, outInfo->Get(Pipeline::UPDATE_NUMBER_OF_PIECES()));
@@ -213,41 +193,23 @@ EdgeIndexSelection vtkEdgeIndexReader::Internals::MakeSelection(vtkInformation* 
 Status vtkEdgeIndexReader::Internals::ReadSurface(
   vtkInformation* outInfo, int threads, vtkPolyData* output)
 {
-  const isosurface::EdgeIndexHeader& header = this->File->GetHeader();
+  const EdgeIndexHeader& header = this->File->GetHeader();
   const EdgeIndexSelection selection = this->MakeSelection(outInfo);
-  isosurface::ContourRequest request;
+  ContourRequest request;
   request.GlobalIds = true;
   request.Offsets = true;
-  isosurface::MatchVTK(request);
-  std::vector<isosurface::InterpolatedArray> arrays;
-  for (const isosurface::EdgeIndexAttribute& attribute : header.Attributes)
-  {
-    if (selection.Preview)
-    {
-      break; // it has none
-    }
-    if (attribute.IsNormals)
-    {
-      request.Normals = this->Reader.ComputeNormals != 0;
-    }
-    else
-    {
-      arrays.push_back({ attribute.Name, {}, { attribute.Type, attribute.NumberOfComponents } });
-    }
-  }
+  MatchVTK(request);
   ISOSURFACE_ASSIGN_OR_RETURN(auto surface,
-    this->File->Read(selection, request, threads, isosurface::MakeProgress(this->Reader)));
+    this->File->Read(
+      selection, request, this->Reader.ComputeNormals != 0, threads, MakeProgress(this->Reader)));
   vtkLogF(1, "%s: piece %d of %d: %zu blocks, %zu triangles, %.4f s", this->Reader.FileName,
     selection.Piece, selection.NumberOfPieces, surface.NumberOfBlocks, surface.NumberOfTriangles,
     surface.TotalSeconds);
-  if (this->Reader.ComputeNormals && !request.Normals)
-  {
-    isosurface::ComputeNormalsOfTriangles(surface);
-  }
-  isosurface::MoveToPolyData(
-    surface, arrays, this->Reader.ComputeScalars ? header.Array : "", output);
-  isosurface::StoreRanges(output, threads);
-  isosurface::StoreLengthUnit(output, header.Geometry.Unit);
+  MoveToPolyData(surface,
+    selection.Preview ? std::vector<InterpolatedArray>() : this->File->GetArrays(),
+    this->Reader.ComputeScalars ? header.Array : "", output);
+  StoreRanges(output, threads);
+  StoreLengthUnit(output, header.Geometry.Unit);
   if (header.Time)
   {
     output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), *header.Time);

@@ -34,16 +34,6 @@ struct SpectrumColumn
 
 using PlainJson = nlohmann::json;
 
-PlainJson Scale(const WorkloadSpectrum::Counts& counts, double unit)
-{
-  PlainJson values = PlainJson::array();
-  for (const std::uint64_t count : counts)
-  {
-    values.push_back(static_cast<double>(count) * unit);
-  }
-  return values;
-}
-
 std::string FormatNumber(const PlainJson& value)
 {
   if (!value.is_number_float())
@@ -58,16 +48,11 @@ std::string FormatNumber(const PlainJson& value)
 /// All columns of a spectrum, isovalues first; area and volume in the units of the grid.
 std::vector<SpectrumColumn> MakeSpectrumColumns(const WorkloadSpectrum& spectrum)
 {
-  PlainJson isovalues = PlainJson::array();
-  for (std::size_t bin = 0; bin < spectrum.Bins.Count; ++bin)
-  {
-    isovalues.push_back(spectrum.Bins.GetEdge(bin));
-  }
   const SpectrumColumn quantities[] = { { "triangles", spectrum.Triangles },
     { "activeCells", spectrum.ActiveCells }, { "activeBlocks", spectrum.ActiveBlocks },
-    { "bytes", spectrum.Bytes }, { "area", Scale(spectrum.Area, spectrum.AreaUnit) },
-    { "volume", Scale(spectrum.Volume, spectrum.VolumeUnit) } };
-  std::vector<SpectrumColumn> columns = { { "isovalue", std::move(isovalues) } };
+    { "bytes", spectrum.Bytes }, { "area", spectrum.Scale(spectrum.Area) },
+    { "volume", spectrum.Scale(spectrum.Volume) } };
+  std::vector<SpectrumColumn> columns = { { "isovalue", spectrum.Bins.GetEdges() } };
   static_assert(std::size(quantities) == WorkloadSpectrum::NumberOfQuantities);
   std::copy_if(std::begin(quantities), std::end(quantities), std::back_inserter(columns),
     [&](const SpectrumColumn& column) { return column.Values.size() == spectrum.Bins.Count; });

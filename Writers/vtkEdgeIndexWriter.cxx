@@ -13,49 +13,23 @@
 #include "vtkObjectFactory.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 
-#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
-#include "CollectContourBlocks.h"
-#include "ControllerCommunicator.h"
+#include "ContourExecution.h"
 #include "ErrorReport.h"
 #include "Ground/Base/Checksum.h"
 #include "Ground/Base/OutputCheck.h"
 #include "Ground/Base/PrintableText.h"
-#include "MatchVTK.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 vtkStandardNewMacro(vtkEdgeIndexWriter);
 vtkCxxSetObjectMacro(vtkEdgeIndexWriter, Controller, vtkMultiProcessController);
 
 namespace
 {
-using isosurface::ContourBlocks;
-using isosurface::EdgeIndexHeader;
-using isosurface::Result;
 using isosurface::Status;
 using isosurface::StatusCode;
 using Pipeline = vtkStreamingDemandDrivenPipeline;
-
-// The range that values are quantized over.
-void SetQuantizationRange(const ContourBlocks& blocks, isosurface::EdgeIndexSettings& settings)
-{
-  const isosurface::KeyRange& range = blocks.FiniteRange;
-  double bounds[2] = { 0, 1 };
-  if (!range.IsEmpty())
-  {
-    isosurface::DispatchValueType(blocks.Source->GetValueType(),
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        bounds[0] = static_cast<double>(isosurface::MakeValueOfKey<T>(range.Minimum));
-        bounds[1] = static_cast<double>(isosurface::MakeValueOfKey<T>(range.Maximum));
-      });
-  }
-  settings.SetQuantizationRange(bounds[0], bounds[1]);
-}
 
 Status CheckContour(vtkStabbingContour* contour)
 {
@@ -124,10 +98,7 @@ struct vtkEdgeIndexWriter::Steps
   Status FindContour(std::vector<double>& times);
   std::vector<double> FindTimeSteps() const;
   Status WriteStep(const std::optional<double>& time, const std::string& path);
-  Status WriteOnce(
-    const std::optional<double>& time, const std::string& path, ContourBlocks& blocks);
-  Result<EdgeIndexHeader> MakeHeader(
-    const ContourBlocks& blocks, int threads, const isosurface::Progress& progress);
+  isosurface::BlockCoding MakeCoding() const;
   isosurface::EdgeIndexWriteJob::Settings MakeSettings();
 };
 
@@ -232,8 +203,7 @@ Status vtkEdgeIndexWriter::Steps::WriteSurface()
   return Status::Ok();
 }
 
-Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(
-  const ContourBlocks& blocks, int threads, const isosurface::Progress& progress)
+isosurface::BlockCoding vtkEdgeIndexWriter::Steps::MakeCoding() const
 {
   const vtkEdgeIndexWriter& writer = this->Writer;
   isosurface::BlockCoding coding;
@@ -241,13 +211,10 @@ Result<EdgeIndexHeader> vtkEdgeIndexWriter::Steps::MakeHeader(
   coding.Settings.Profile = static_cast<isosurface::EdgeIndexProfile>(writer.Profile);
   coding.Settings.MaximumError = writer.MaximumError;
   coding.Settings.QuantizationBits = writer.QuantizationBits;
-  SetQuantizationRange(blocks, coding.Settings);
   coding.PreviewLevel = writer.PreviewLevel;
   coding.ArrayError = writer.ArrayError;
   coding.NormalError = writer.NormalError;
-  isosurface::ContourRequest request;
-  isosurface::MatchVTK(request);
-  return isosurface::MakeSurfaceHeader(this->Ranks, blocks, coding, request, threads, progress);
+  return coding;
 }
 
 isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings()
@@ -263,57 +230,43 @@ isosurface::EdgeIndexWriteJob::Settings vtkEdgeIndexWriter::Steps::MakeSettings(
 Status vtkEdgeIndexWriter::Steps::WriteStep(
   const std::optional<double>& time, const std::string& path)
 {
-  return isosurface::RunCollective(path,
-    [&]
-    {
-      return isosurface::RunWithContourBlocks(&this->Writer, this->Ranks,
-        [&](ContourBlocks& blocks) { return this->WriteOnce(time, path, blocks); });
-    });
-}
-
-Status vtkEdgeIndexWriter::Steps::WriteOnce(
-  const std::optional<double>& time, const std::string& path, ContourBlocks& blocks)
-{
-  blocks.Attributes = this->Writer.WriteArrays;
-  blocks.Normals = this->Writer.WriteNormals && this->Contour->GetComputeNormals();
+  const isosurface::BlockArrays wanted = {
+    this->Writer.WriteNormals && this->Contour->GetComputeNormals(), this->Writer.WriteArrays != 0
+  };
   const bool hasArrays =
-    blocks.Normals || (blocks.Attributes && this->Contour->GetNumberOfInterpolatedArrays() > 0);
+    wanted.Normals || (wanted.Attributes && this->Contour->GetNumberOfInterpolatedArrays() > 0);
   ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(!hasArrays || !this->Contour->GetCloseBoundary()
       ? Status::Ok()
       : Status(StatusCode::InvalidArgument,
           "An edge-index file has no arrays on the caps that CloseBoundary adds: turn WriteArrays "
           "and WriteNormals off.")));
-  ISOSURFACE_RETURN_IF_ERROR(isosurface::CollectContourBlocks(
-    this->Contour, this->Ranks.GetRank(), this->Ranks.GetSize(), time, blocks));
-  ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
-    blocks.Volume ? isosurface::CheckIsOther(path, blocks.Volume->GetPath()) : Status::Ok()));
-  const isosurface::EdgeIndexWriteJob::Settings settings = this->MakeSettings();
-  const double middle =
-    this->FirstShare + (blocks.Islands ? 0.3 : 0) * (this->LastShare - this->FirstShare);
-  ISOSURFACE_ASSIGN_OR_RETURN(const EdgeIndexHeader header,
-    this->MakeHeader(
-      blocks, settings.Threads, isosurface::MakeProgress(this->Writer, this->FirstShare, middle)));
-  isosurface::EdgeIndexWriteJob job(this->Ranks, isosurface::GetLocalFileSystem(), path, header,
-    *blocks.Source, blocks.Numbers, settings);
-  const auto written = job.Run(isosurface::MakeProgress(this->Writer, middle, this->LastShare));
-  if (written.IsOk() && this->Ranks.GetRank() == 0)
+  const auto write = [&](isosurface::ContourBlocks& blocks) -> Status
   {
-    vtkLogF(1, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),
-      static_cast<unsigned long long>(written->Records),
-      static_cast<unsigned long long>(written->Points),
-      static_cast<unsigned long long>(written->Bytes));
-  }
-  return written.GetStatus();
+    ISOSURFACE_RETURN_IF_ERROR(this->Ranks.Agree(
+      blocks.Volume ? isosurface::CheckIsOther(path, blocks.Volume->GetPath()) : Status::Ok()));
+    const auto written =
+      isosurface::WriteBlocks(this->Ranks, blocks, this->MakeCoding(), path, this->MakeSettings(),
+        isosurface::MakeProgress(this->Writer, this->FirstShare, this->LastShare));
+    if (written.IsOk() && this->Ranks.GetRank() == 0)
+    {
+      vtkLogF(1, "%s: %llu blocks, %llu points, %llu bytes", path.c_str(),
+        static_cast<unsigned long long>(written->Records),
+        static_cast<unsigned long long>(written->Points),
+        static_cast<unsigned long long>(written->Bytes));
+    }
+    return written.GetStatus();
+  };
+  return isosurface::RunCollective(path,
+    [&]
+    {
+      return isosurface::ContourExecution::TakeBlocks(
+        &this->Writer, *this->Contour, this->Ranks, time, wanted, write);
+    });
 }
 
 void vtkEdgeIndexWriter::SetProfile(int profile)
 {
-  const int nearest = isosurface::ChooseProfile(this, profile);
-  if (this->Profile != nearest)
-  {
-    this->Profile = nearest;
-    this->Modified();
-  }
+  isosurface::SetProfile(this, profile, this->Profile);
 }
 
 void vtkEdgeIndexWriter::PrintSelf(ostream& os, vtkIndent indent)

@@ -6,7 +6,7 @@
  *
  * Input: the unchanged output of a vtkStabbingContour. The file holds where the isovalues cross the
  * grid, instead of triangles. So Write() takes the contour's blocks, some at a time
- * (CollectContourBlocks), without executing the contour, and writes a surface of any size within
+ * (ContourExecution::TakeBlocks), without executing the contour, and writes a surface of any size within
  * MemoryLimit. Connectivity and GlobalIds are exact, points as Mode says, interpolated arrays and
  * normals exact or within a bound. Any other input is an error, and so are surfaces with
  * DropDegenerateTriangles (but of closed ones), island ids or polygons.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Files/SampleQueries.h"
 
+#include "Ground/Volume/VertexPlaces.h"
 #include "Storage/Store/BlockedVolume.h"
 
 #include <algorithm>
@@ -62,20 +63,11 @@ Status ProbePoints(VolumeFile& file, const SampledArray& of, Interpolation inter
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto volume, file.GetBlocksOf(of.TimeStep, box, progress, step, corner));
   ISOSURFACE_ASSIGN_OR_RETURN(const auto level, LevelSamples::Open(volume, step, of.Level));
-  const VertexPlaces places(volume->GetHeader().Grid.Coarsen(of.Level), volume->GetLines(of.Level));
-  const PointPortions portions = MakePointPortions(static_cast<std::int64_t>(count), places,
-    [points](std::int64_t point)
-    {
-      return std::array<double, 3>{ points[3 * point], points[3 * point + 1],
-        points[3 * point + 2] };
-    });
-  QueryStatistics unused;
-  return SampleComponents(volume->GetVariables(), { of.Array }, { values }, progress,
-    [&](std::size_t variable, void* first, int stride, const Progress& advance)
-    {
-      return SamplePoints(*level, variable, interpolation, portions, of.Threads, first, stride,
-        inside, unused, advance);
-    });
+  const auto find = [points](std::int64_t point) {
+    return Point{ points[3 * point], points[3 * point + 1], points[3 * point + 2] };
+  };
+  return SampleArrays(*level, { of.Array }, interpolation, static_cast<std::int64_t>(count), find,
+    of.Threads, { values }, inside, progress);
 }
 
 Result<std::optional<SampledBox>> CutPlane(VolumeFile& file, const SampledArray& of,

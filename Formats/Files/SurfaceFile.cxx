@@ -5,7 +5,6 @@
 #include "Ground/Volume/VertexPlaces.h"
 #include "Surface/Contour/TriangleNormals.h"
 
-#include <cstdint>
 #include <utility>
 
 namespace isosurface
@@ -25,17 +24,17 @@ Result<std::shared_ptr<SurfaceFile>> SurfaceFile::Open(const std::string& path)
   return std::shared_ptr<SurfaceFile>(new SurfaceFile(std::move(file)));
 }
 
-std::vector<std::string> SurfaceFile::GetAttributes() const
+std::vector<InterpolatedArray> SurfaceFile::GetArrays() const
 {
-  std::vector<std::string> names;
+  std::vector<InterpolatedArray> arrays;
   for (const EdgeIndexAttribute& attribute : this->GetHeader().Attributes)
   {
     if (!attribute.IsNormals)
     {
-      names.push_back(attribute.Name);
+      arrays.push_back({ attribute.Name, {}, { attribute.Type, attribute.NumberOfComponents } });
     }
   }
-  return names;
+  return arrays;
 }
 
 VertexBox SurfaceFile::FindVertices(const std::array<double, 6>& bounds) const

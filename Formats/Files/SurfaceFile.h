@@ -5,9 +5,11 @@
 #include "Coding/EdgeIndex/EdgeIndexFile.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
+#include "Surface/Contour/InterpolatedArray.h"
 #include "Surface/Contour/Surface.h"
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,8 +30,9 @@ public:
   const EdgeIndexHeader& GetHeader() const { return this->File->GetHeader(); }
   /// EdgeIndexFile::GetMissing.
   const std::string& GetMissing() const { return this->File->GetMissing(); }
-  /// The names of the arrays on the points, normals left out.
-  std::vector<std::string> GetAttributes() const;
+  std::uint64_t GetFingerprint() const { return this->File->GetFingerprint(); }
+  /// The arrays on the points, normals left out.
+  std::vector<InterpolatedArray> GetArrays() const;
 
   /// Normals are those of the file; if it has none, those of the triangles. A preview has no
   /// attributes. Of the request, GlobalIds, Offsets and WideIndices count.

@@ -9,7 +9,6 @@
 #include "Storage/Writing/BlockedVolumeWriter.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -36,7 +35,7 @@ Status CheckIsWritable(const SurfaceRequest& request)
     ? "the islands of triangles: it has no arrays of these"
     : request.DropDegenerateTriangles && !isClosed
     ? "an open surface without its degenerate triangles"
-    : isClosed && (request.Normals || !request.Attributes.empty())
+    : isClosed && (request.Normals || !request.Arrays.empty())
     ? "arrays and normals of a closed surface, whose caps have none"
     : nullptr;
   return refused
@@ -83,11 +82,11 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   SearchedBlocks searched;
   // Of the others, what is found depends on where the volume ends.
   const bool isPart = request.ClosedSides.IsEmpty() && !request.GlobalIds && !request.Islands;
-  std::size_t& step = searched.Query.TimeStep;
+  std::size_t step = 0;
+  std::optional<VertexBox> cells;
   if (isPart && !request.Where.IsEverything() && file.GivesParts())
   {
     const LevelDescription whole = file.Describe(0);
-    std::optional<VertexBox>& cells = searched.Query.Selection.Part;
     VertexBox part;
     if (isExact && request.Bounds && !request.Budget.IsLimited())
     {
@@ -113,14 +112,21 @@ Result<SearchedBlocks> MakeQuery(VolumeFile& file, const ContouredSamples& sampl
   {
     return Status(StatusCode::InvalidArgument, file.GetPath() + ": has no such component");
   }
-  searched.Query.Variable = *variable;
-  searched.Query.Isovalues = request.Isovalues;
-  searched.Query.Attributes = request.Attributes;
-  searched.Query.Rank = request.Ranks ? request.Ranks->GetRank() : 0;
-  searched.Query.Ranks = request.Ranks ? request.Ranks->GetSize() : 1;
-  searched.Query.Selection.ClosedSides = request.ClosedSides;
-  searched.Query.Selection.Region = request.Where;
+  searched.Query = request.MakeQuery(step, *variable);
+  searched.Query.Selection.Part = cells;
   return searched;
+}
+
+/// The arrays to interpolate.
+std::vector<InterpolatedArray> FindArrays(const VolumeFile& file, const SurfaceRequest& request)
+{
+  std::vector<InterpolatedArray> arrays;
+  for (const std::size_t number : request.Arrays)
+  {
+    const ArrayDescription& array = file.GetArrays()[number];
+    arrays.push_back({ array.Name, {}, { array.Type, array.Components } });
+  }
+  return arrays;
 }
 
 SerialCommunicator& GetAlone()
@@ -140,24 +146,6 @@ Result<SearchedBlocks> MakeCommonQuery(Communicator& ranks, VolumeFile& file,
   return searched;
 }
 
-/// The ends of a range, NaN if it is empty.
-std::array<double, 2> FindValues(const KeyRange& range, ValueType type)
-{
-  std::array<double, 2> values{};
-  values.fill(std::numeric_limits<double>::quiet_NaN());
-  if (!range.IsEmpty())
-  {
-    DispatchValueType(type,
-      [&](auto zero)
-      {
-        using T = decltype(zero);
-        values = { static_cast<double>(MakeValueOfKey<T>(range.Minimum)),
-          static_cast<double>(MakeValueOfKey<T>(range.Maximum)) };
-      });
-  }
-  return values;
-}
-
 } // namespace
 
 void MatchVtk(int version, ContourRequest& request)
@@ -168,21 +156,6 @@ void MatchVtk(int version, ContourRequest& request)
   request.Offsets = version != 0;
 }
 
-ContourRequest MakeContourRequest(const SurfaceRequest& request)
-{
-  ContourRequest made;
-  made.Isovalues = request.Isovalues;
-  made.Normals = request.Normals;
-  MatchVtk(request.VtkVersion, made);
-  made.Polygons = request.Polygons;
-  made.SkipNotANumber = request.SkipNotANumber;
-  made.Precision = request.Precision;
-  made.ClosedSides = request.ClosedSides;
-  made.DropDegenerateTriangles = request.DropDegenerateTriangles;
-  made.GlobalIds = request.GlobalIds || request.Islands;
-  return made;
-}
-
 Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples,
   const SurfaceRequest& request, const Progress& progress, std::string& warning, int* level,
   ChosenIslands* islands)
@@ -190,44 +163,29 @@ Result<Surface> ExtractSurface(VolumeFile& file, const ContouredSamples& samples
   Communicator& ranks = request.Ranks ? *request.Ranks : GetAlone();
   ISOSURFACE_ASSIGN_OR_RETURN(
     auto searched, MakeCommonQuery(ranks, file, samples, request, progress, true));
-  ExtractionTask task;
-  task.Volume = searched.Volume;
-  task.Query = searched.Query;
-  task.Request = MakeContourRequest(request);
-  task.Threads = request.Threads;
-  task.Advance = progress;
-  for (const std::size_t array : request.Attributes)
+  ExtractionTask task{ searched.Volume, searched.Query, request, request.Threads, progress };
+  task.Request.GlobalIds = request.GlobalIds || request.Islands;
+  for (const InterpolatedArray& array : FindArrays(file, request))
   {
-    const ArrayDescription& description = file.GetArrays()[array];
-    task.Request.Attributes.push_back({ description.Type, description.Components });
+    task.Request.Attributes.push_back(array.Layout);
   }
   ExtractionOutcome outcome;
-  outcome.Cost.Level = samples.Level;
-  const auto extract = [&]() -> Status
+  const auto extract = [&]
   {
-    if (!request.Budget.IsLimited())
-    {
-      return Attempt(file.GetPath(), [&] { return ExtractLevel(task, samples.Level, outcome); });
-    }
     StoredField field;
     field.Ask(task, request.Budget);
     return field.Extract(ranks, samples.Level, outcome);
   };
   const Status extracted = RunWithReplicas(
-    ranks, [&] { return task.Volume.get(); }, warning, extract);
+    ranks, [&] { return task.Volume.get(); }, warning,
+    [&] { return Attempt(file.GetPath(), extract); });
   const int found = outcome.Cost.Level;
-  if (request.Islands)
+  ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(ChooseIslands(
+    ranks, extracted, request.Islands, [&] { return MakeIslandGrids(task, found, ranks); },
+    task.Threads, outcome)));
+  if (islands)
   {
-    IslandRequest wanted = *request.Islands;
-    wanted.Level = found;
-    ChosenIslands unused;
-    ISOSURFACE_RETURN_IF_ERROR(ChooseIslands(
-      ranks, extracted, wanted, [&] { return MakeIslandGrids(task, found, ranks); }, task.Threads,
-      outcome.Extracted, islands ? *islands : unused));
-  }
-  else
-  {
-    ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(extracted));
+    *islands = std::move(outcome.Islands);
   }
   if (level)
   {
@@ -275,33 +233,14 @@ Status WriteSurface(VolumeFile& file, const ContouredSamples& samples,
     ISOSURFACE_RETURN_IF_ERROR(CheckIsOther(path, file.GetPath()));
     ISOSURFACE_RETURN_IF_ERROR(
       CollectVolumeBlocks(searched.Volume, searched.Query, samples.Level, blocks));
-    blocks.Isovalues = request.Isovalues;
-    blocks.Precision = request.Precision;
-    blocks.ClosedSides = request.ClosedSides;
+    blocks.Request = request;
     blocks.ArrayName = file.GetArrays()[samples.Array].Name;
-    blocks.Islands = request.Islands;
-    blocks.Normals = request.Normals;
-    blocks.Attributes = !request.Attributes.empty();
     blocks.Volume = searched.Volume;
-    for (const std::size_t array : request.Attributes)
-    {
-      const ArrayDescription& description = file.GetArrays()[array];
-      blocks.Arrays.push_back(
-        { description.Name, {}, { description.Type, description.Components } });
-    }
+    blocks.Arrays = FindArrays(file, request);
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, file.GetPath(), collect));
-  ContourRequest normals;
-  MatchVtk(request.VtkVersion, normals);
-  constexpr double islandsEnd = 0.3;
-  const double middle = blocks.Islands ? islandsEnd : 0;
-  ISOSURFACE_ASSIGN_OR_RETURN(const auto header,
-    MakeSurfaceHeader(
-      ranks, blocks, coding, normals, settings.Threads, MakePartOfProgress(progress, 0, middle)));
-  EdgeIndexWriteJob job(
-    ranks, GetLocalFileSystem(), path, header, *blocks.Source, blocks.Numbers, settings);
-  return job.Run(MakePartOfProgress(progress, middle, 1)).GetStatus();
+  return WriteBlocks(ranks, blocks, coding, path, settings, progress).GetStatus();
 }
 
 Result<std::array<double, 2>> ReadRange(
@@ -310,7 +249,7 @@ Result<std::array<double, 2>> ReadRange(
   ISOSURFACE_ASSIGN_OR_RETURN(const auto searched, MakeQuery(file, samples, {}, progress));
   const BlockedVolume& volume = *searched.Volume;
   const SurfaceQuery& query = searched.Query;
-  return FindValues(volume.GetHeader().TimeSteps[query.TimeStep].Ranges[query.Variable],
+  return volume.GetHeader().TimeSteps[query.TimeStep].Ranges[query.Variable].GetValues(
     volume.GetVariables()[query.Variable].Type);
 }
 

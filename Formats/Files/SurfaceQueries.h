@@ -5,18 +5,14 @@
 #include "Formats/Files/VolumeFile.h"
 
 #include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
-#include "Ground/Base/Communicator.h"
-#include "Ground/Volume/Region.h"
-#include "Ranks/Islands/IslandChoice.h"
 #include "Ranks/Query/ContourBlocks.h"
-#include "Ranks/Query/LevelChoice.h"
+#include "Ranks/Query/SurfaceRequest.h"
 #include "Storage/Spectrum/WorkloadSpectrum.h"
 #include "Surface/Contour/Surface.h"
 
 #include <array>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,34 +28,9 @@ struct ContouredSamples
   int Level = 0;
 };
 
-/// Which isosurfaces, and where.
-struct SurfaceRequest
-{
-  std::vector<double> Isovalues;
-  Region Where; ///< only blocks that meet it
-  /// The box that Where is, x0 x1 y0 y1 z0 z1, if it is one: of a volume at an address, a surface has its cells alone.
-  std::optional<std::array<double, 6>> Bounds;
-  bool Normals = false;
-  PointPrecision Precision = PointPrecision::Default;
-  GridSides ClosedSides;
-  bool DropDegenerateTriangles = false;
-  bool Polygons = false;                ///< in place of triangles
-  bool SkipNotANumber = false;          ///< as ContourRequest
-  int VtkVersion = 0;                   ///< MatchVtk
-  std::optional<IslandRequest> Islands; ///< nothing: all
-  std::vector<std::size_t> Attributes;  ///< arrays to interpolate
-  int Threads = 1;
-  bool GlobalIds = false;
-  ExtractionBudget Budget;
-  Communicator* Ranks = nullptr; ///< that share the surface; null: this process alone has it
-};
-
 /// Offsets of cells, the width of their corners and the last bits of normals are those of a version of VTK (902 is
 /// 9.2). 0: there are no offsets, corners have the fewest bytes, normals are those of 9.4.
 void MatchVtk(int version, ContourRequest& request);
-
-/// What is asked for, but for the attributes.
-ContourRequest MakeContourRequest(const SurfaceRequest& request);
 
 /// The isosurfaces; of several ranks this one's part. `warning` names lost stores, whose replicas were read.
 /// `level` becomes that of the surface, `islands` what was found of them. Collective with ranks. Cost and errors:

@@ -39,7 +39,7 @@ CONTOUR = "Filters/vtkStabbingContour.h"
 # What each property of the filter has in other files.
 PROPERTY = (
     ("Filters/vtkStabbingContour.h Filters/vtkStabbingContour.cxx", r'"{}(?:: |")'),
-    ("Filters/ContourExecution.cxx Filters/CollectContourBlocks.cxx", r"Get{}\(\)"),
+    ("Filters/ContourExecution.cxx", r"Get{}\(\)"),
     ("Plugin/XML/StabbingContour.xml", r'"Set{}"'),
     ("Documentation/reference/isosurfaces.md Documentation/reference/many-ranks.md", r"\b{}\b"),
 )

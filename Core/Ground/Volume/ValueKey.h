@@ -5,6 +5,7 @@
 #include "Ground/Volume/ValueType.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -84,6 +85,13 @@ T MakeValueOfKey(ValueKey key)
   }
 }
 
+/// The same for a type that is known at run time; as a double, which may round integers of 64 bits.
+inline double GetValueOfKey(ValueType type, ValueKey key)
+{
+  return DispatchValueType(
+    type, [key](auto zero) { return static_cast<double>(MakeValueOfKey<decltype(zero)>(key)); });
+}
+
 /**
  * The threshold of an isovalue: the minimum value t of type T with t >= isovalue. So a value v of
  * the type is inside (v >= isovalue) if and only if v >= t. Nothing if no value is inside: the
@@ -138,6 +146,15 @@ struct KeyRange
   {
     this->Minimum = std::min(this->Minimum, other.Minimum);
     this->Maximum = std::max(this->Maximum, other.Maximum);
+  }
+
+  /// Its ends as values; NaN if it is empty.
+  std::array<double, 2> GetValues(ValueType type) const
+  {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    return this->IsEmpty()
+      ? std::array{ none, none }
+      : std::array{ GetValueOfKey(type, this->Minimum), GetValueOfKey(type, this->Maximum) };
   }
 
   /// Whether the range has values on both sides of the threshold: Minimum < threshold <= Maximum.

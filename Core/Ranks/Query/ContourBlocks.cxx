@@ -136,8 +136,8 @@ EdgeIndexHeader DescribeBlocks(const ContourBlocks& blocks, const BlockCoding& c
   EdgeIndexHeader header;
   header.Geometry = blocks.Grid;
   header.Type = blocks.Source->GetValueType();
-  header.Isovalues = blocks.Isovalues;
-  header.ClosedSides = blocks.ClosedSides;
+  header.Isovalues = blocks.Request.Isovalues;
+  header.ClosedSides = blocks.Request.ClosedSides;
   header.Array = blocks.ArrayName;
   header.Source = blocks.Origin;
   header.Time = blocks.Time;
@@ -146,11 +146,13 @@ EdgeIndexHeader DescribeBlocks(const ContourBlocks& blocks, const BlockCoding& c
     header.Attributes.push_back({ array.Name, GetInterpolatedType(array.Layout.Type),
       array.Layout.NumberOfComponents, coding.ArrayError, false });
   }
-  if (blocks.Normals)
+  if (blocks.Request.Normals)
   {
     header.Attributes.push_back({ "Normals", ValueType::Float32, 3, coding.NormalError, true });
   }
   header.Settings = coding.Settings;
+  const auto range = blocks.FiniteRange.GetValues(header.Type);
+  header.Settings.SetQuantizationRange(range[0], range[1]);
   header.PreviewLevel = coding.PreviewLevel;
   while (header.PreviewLevel > 0 && (1 << header.PreviewLevel) > blocks.BlockSize)
   {
@@ -206,7 +208,7 @@ Status ChoosePoints(Communicator& ranks, const IslandRequest& islands,
 }
 
 /**
- * If blocks.Islands is set: finds the islands of the surface that the blocks of all ranks have, and of its
+ * If Request.Islands is set: finds the islands of the surface that the blocks of all ranks have, and of its
  * preview, and lets the header leave out those that the filter does not keep. A closed surface becomes
  * lossless then. If all are kept, the header stays as it is. Collective. Errors of any rank: what
  * ExtractSurface and ChooseIslands return. Memory: this rank's part of the whole surface; then 8 bytes for
@@ -215,11 +217,11 @@ Status ChoosePoints(Communicator& ranks, const IslandRequest& islands,
 Status LeaveOutIslands(Communicator& ranks, const ContourBlocks& blocks, int threads,
   const Progress& progress, EdgeIndexHeader& header)
 {
-  if (!blocks.Islands)
+  if (!blocks.Request.Islands)
   {
     return Status::Ok();
   }
-  IslandRequest islands = *blocks.Islands;
+  IslandRequest islands = *blocks.Request.Islands;
   islands.Level = blocks.Level;
   ChosenPoints exact;
   PreviewBlocks scalars(*blocks.Source, 0);
@@ -298,9 +300,9 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
   {
     ISOSURFACE_RETURN_IF_ERROR(CheckVisible(samples.Pieces));
     ISOSURFACE_RETURN_IF_ERROR(CheckGrids(samples));
-    selection.Isovalues = blocks.Isovalues;
+    selection.Isovalues = blocks.Request.Isovalues;
     selection.Region = kept->Query.Region;
-    selection.ClosedSides = blocks.ClosedSides;
+    selection.ClosedSides = blocks.Request.ClosedSides;
     kept->Scalars.reserve(samples.Pieces.size());
     for (const MemoryPiece& piece : samples.Pieces)
     {
@@ -312,7 +314,7 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotCollected, find));
   // Larger blocks have fewer shared faces; but a region takes blocks whole, those of the filter.
   selection.BlockSize = selection.Region.IsEverything() ? 64 : BlockRanges::BlockSize;
-  selection.WithLayer = blocks.Normals;
+  selection.WithLayer = blocks.Request.Normals;
   input.Grid = blocks.Grid = samples.Grids.front();
   const int blockSize = selection.BlockSize;
   auto source = PieceBlockSource::Make(ranks, std::move(input), threads);
@@ -335,7 +337,7 @@ Status CollectImageBlocks(Communicator& ranks, MemoryQuery query, ContourBlocks&
 }
 
 Result<EdgeIndexHeader> MakeSurfaceHeader(Communicator& ranks, const ContourBlocks& blocks,
-  const BlockCoding& coding, const ContourRequest& request, int threads, const Progress& progress)
+  const BlockCoding& coding, int threads, const Progress& progress)
 {
   EdgeIndexHeader header;
   const auto pack = [&](Message& mine) -> Status
@@ -362,14 +364,28 @@ Result<EdgeIndexHeader> MakeSurfaceHeader(Communicator& ranks, const ContourBloc
     for (EdgeIndexAttribute& attribute : header.Attributes)
     {
       // The bytes do not say it.
-      attribute.NormalsRoundedOnce = request.NormalsRoundedOnce;
-      attribute.NormalsByDirection = request.NormalsByDirection;
+      attribute.NormalsRoundedOnce = blocks.Request.NormalsRoundedOnce;
+      attribute.NormalsByDirection = blocks.Request.NormalsByDirection;
     }
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(AttemptOnAll(ranks, NotDescribed, take));
   ISOSURFACE_RETURN_IF_ERROR(LeaveOutIslands(ranks, blocks, threads, progress, header));
   return header;
+}
+
+Result<EdgeIndexFileSummary> WriteBlocks(Communicator& ranks, const ContourBlocks& blocks,
+  const BlockCoding& coding, const std::string& path, const EdgeIndexWriteJob::Settings& settings,
+  const Progress& progress)
+{
+  constexpr double islandsEnd = 0.3;
+  const double middle = blocks.Request.Islands ? islandsEnd : 0;
+  ISOSURFACE_ASSIGN_OR_RETURN(const auto header,
+    MakeSurfaceHeader(
+      ranks, blocks, coding, settings.Threads, MakePartOfProgress(progress, 0, middle)));
+  EdgeIndexWriteJob job(
+    ranks, GetLocalFileSystem(), path, header, *blocks.Source, blocks.Numbers, settings);
+  return job.Run(MakePartOfProgress(progress, middle, 1));
 }
 
 Result<std::vector<InterpolatedArray>> ShareArrays(Communicator& ranks, const ContourBlocks& blocks)

@@ -3,14 +3,14 @@
 #define isosurface_ContourBlocks_h
 
 #include "Coding/EdgeIndex/EdgeIndexHeader.h"
+#include "Coding/EdgeIndex/EdgeIndexWriteJob.h"
 #include "Ground/Base/Communicator.h"
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/BlockSource.h"
 #include "Ground/Volume/GridGeometry.h"
-#include "Ground/Volume/PointPrecision.h"
 #include "Ground/Volume/ValueKey.h"
-#include "Ranks/Islands/IslandChoice.h"
+#include "Ranks/Query/SurfaceRequest.h"
 #include "Surface/Contour/InterpolatedArray.h"
 
 #include <cstddef>
@@ -25,7 +25,6 @@ namespace isosurface
 
 class BlockedVolume;
 struct MemoryQuery;
-struct SurfaceQuery;
 
 /**
  * The active blocks of a contour on one rank, for a consumer that takes a surface piece by piece.
@@ -33,28 +32,21 @@ struct SurfaceQuery;
  */
 struct ContourBlocks
 {
+  /// What is contoured, of all ranks: set by the caller. Normals: whether Source is to give samples for gradients.
+  SurfaceRequest Request;
   GridGeometry Grid;  ///< of the level; GlobalIds number its vertices
   int Level = 0;      ///< of a blocked volume
   int BlockSize = 64; ///< cells along the side of a block, at the level; a power of two
-  std::vector<double> Isovalues;
-  PointPrecision Precision = PointPrecision::Default;
-  GridSides ClosedSides; ///< CloseBoundary; Source then also has the blocks of BlockSelection
   /// Whether this rank has samples. If not, it does not know Time, ArrayName and Arrays.
   bool HasSamples = false;
   std::string ArrayName;      ///< of the contoured array
   std::string Origin;         ///< where the samples came from, for people
   std::optional<double> Time; ///< of the samples
-  std::optional<IslandRequest>
-    Islands;            ///< that the filter keeps, if it looks for islands; see MakeSurfaceHeader
-  KeyRange FiniteRange; ///< of the contoured values, of blocks that are not active too
+  KeyRange FiniteRange;       ///< of the contoured values, of blocks that are not active too
 
-  /// Set by the caller: whether Source is to give samples for gradients, and samples of the
-  /// arrays to interpolate.
-  bool Normals = false;
-  bool Attributes = false;
   std::vector<InterpolatedArray> Arrays; ///< to interpolate, in the order of Source's attributes
 
-  /// This rank's active blocks. Owner keeps the samples that Source refers to.
+  /// This rank's active blocks, and those of BlockSelection. Owner keeps the samples that Source refers to.
   std::unique_ptr<BlockSource> Source;
   /// Numbers of these blocks, ascending: of all blocks of the grid, whichever rank has them. They
   /// are the same for any number of ranks.
@@ -63,7 +55,7 @@ struct ContourBlocks
   std::shared_ptr<BlockedVolume> Volume; ///< that has the blocks; null if images have them
 };
 
-/// The active blocks of the query's share of a level. Fills in what follows from them; Isovalues,
+/// The active blocks of the query's share of a level. Fills in what follows from them; Request,
 /// ArrayName and Arrays are there. Not collective.
 Status CollectVolumeBlocks(const std::shared_ptr<BlockedVolume>& volume, const SurfaceQuery& query,
   int level, ContourBlocks& blocks);
@@ -82,11 +74,16 @@ struct BlockCoding
 };
 
 /// What an edge-index stream says of the blocks of all ranks: what the first rank that has samples knows of them,
-/// and with `blocks.Islands` the islands that it leaves out, after an extraction of the whole surface. Normals are
-/// those of `request`. Collective. Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory,
-/// those of ExtractSurface and ChooseIslands.
+/// and with Request.Islands the islands that it leaves out, after an extraction of the whole surface. Collective.
+/// Errors of any rank: InvalidArgument (see EdgeIndexHeader::Check), OutOfMemory, those of ExtractSurface and
+/// ChooseIslands.
 Result<EdgeIndexHeader> MakeSurfaceHeader(Communicator& ranks, const ContourBlocks& blocks,
-  const BlockCoding& coding, const ContourRequest& request, int threads, const Progress& progress);
+  const BlockCoding& coding, int threads, const Progress& progress);
+
+/// Writes the blocks as an edge-index file. Collective. Errors: those of MakeSurfaceHeader and EdgeIndexWriteJob.
+Result<EdgeIndexFileSummary> WriteBlocks(Communicator& ranks, const ContourBlocks& blocks,
+  const BlockCoding& coding, const std::string& path, const EdgeIndexWriteJob::Settings& settings,
+  const Progress& progress);
 
 /// The interpolated arrays, which ranks without samples do not know. Collective. Error of any rank:
 /// OutOfMemory.

@@ -20,8 +20,8 @@ namespace isosurface
 class ImageField : public Field
 {
 public:
-  /// Begins an execution. `source` tells what the exact image is made of from others. `coarse`: nothing if
-  /// the exact image is there as soon.
+  /// Begins an execution. `source` tells what the exact image is made of from others. `coarse`: nothing, or
+  /// one of the same level, if the exact image is there as soon.
   void Ask(std::uint64_t source, SampledBox exact, std::optional<SampledBox> coarse);
   /// Fills the part of a level, or waits for the thread that does. Errors: SampledBox::Fill.
   Status Fill(int level, const Progress& progress);

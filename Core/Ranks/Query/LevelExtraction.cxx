@@ -85,6 +85,22 @@ Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& ou
   return status;
 }
 
+Status ChooseIslands(Communicator& ranks, const Status& extracted,
+  const std::optional<IslandRequest>& islands, const std::function<IslandGrids()>& makeGrids,
+  int threads, ExtractionOutcome& outcome)
+{
+  outcome.ExtractedTriangles = outcome.Extracted.NumberOfTriangles;
+  if (!islands)
+  {
+    return extracted;
+  }
+  IslandRequest request = *islands;
+  request.Level = outcome.Cost.Level;
+  const Stopwatch stopwatch(outcome.IslandSeconds);
+  return ChooseIslands(
+    ranks, extracted, request, makeGrids, threads, outcome.Extracted, outcome.Islands);
+}
+
 IslandGrids MakeIslandGrids(const ExtractionTask& task, int level, const Communicator& ranks)
 {
   BlockedVolume& volume = *task.Volume;

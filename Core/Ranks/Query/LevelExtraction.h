@@ -11,6 +11,7 @@
 #include "Storage/Store/QueryStatistics.h"
 #include "Surface/Contour/Surface.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -49,6 +50,10 @@ struct ExtractionOutcome
   Surface Extracted;
   QueryCost Cost;     ///< added to
   double Seconds = 0; ///< wall clock of the extraction, the query included
+
+  std::size_t ExtractedTriangles = 0; ///< before islands were left out
+  ChosenIslands Islands;              ///< if they were asked for
+  double IslandSeconds = 0;           ///< wall clock of finding and choosing them
 };
 
 /// This rank's part of the surface at a level. Collective if blocks are shared (`Sharing`), else
@@ -60,6 +65,12 @@ Status ExtractLevel(const ExtractionTask& task, int level, ExtractionOutcome& ou
 /// extractions at a level. A lack of memory is an error of the volume.
 Status RunExtraction(const ExtractionTask& task, int level, ExtractionOutcome& outcome,
   const std::function<Status()>& extract);
+
+/// Ends an extraction at outcome.Cost.Level, whose status on this rank is `extracted`: chooses among the islands if
+/// they are asked for, which makes an error one of all ranks. Collective then.
+Status ChooseIslands(Communicator& ranks, const Status& extracted,
+  const std::optional<IslandRequest>& islands, const std::function<IslandGrids()>& makeGrids,
+  int threads, ExtractionOutcome& outcome);
 
 /// The grid of that surface, whose pieces on several ranks meet at the faces of blocks.
 IslandGrids MakeIslandGrids(const ExtractionTask& task, int level, const Communicator& ranks);

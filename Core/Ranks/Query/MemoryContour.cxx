@@ -7,6 +7,7 @@
 #include "Surface/Contour/SurfaceExtractor.h"
 #include "Surface/Contour/SurfaceMerge.h"
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -73,6 +74,21 @@ std::vector<std::int64_t> MemoryQuery::FindFirstIds() const
     firstIds.push_back(firstIds.back() + CountGlobalIds(grid, this->Request));
   }
   return firstIds;
+}
+
+std::vector<std::int32_t> MemoryQuery::FindBlocks(
+  const Surface& surface, const std::vector<std::size_t>& blocks) const
+{
+  const std::vector<std::int64_t> firstIds = this->FindFirstIds();
+  std::vector<std::int32_t> found;
+  found.reserve(surface.NumberOfPoints);
+  for (const std::int64_t id : surface.GlobalIds)
+  {
+    const auto next = std::upper_bound(firstIds.begin(), firstIds.end(), id);
+    const auto grid = static_cast<std::size_t>(next - firstIds.begin() - 1);
+    found.push_back(static_cast<std::int32_t>(blocks[grid]));
+  }
+  return found;
 }
 
 IslandGrids MemoryQuery::MakeIslandGrids(const Communicator& ranks) const

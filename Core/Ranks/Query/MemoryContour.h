@@ -38,6 +38,9 @@ struct MemoryQuery
   MemoryQuery Coarsen(int level, bool joins) const;
   /// The first id of each grid, and the one behind the last.
   std::vector<std::int64_t> FindFirstIds() const;
+  /// The block of each point of a surface of the grids; `blocks` are those of the grids (CollectedGrids::Blocks).
+  std::vector<std::int32_t> FindBlocks(
+    const Surface& surface, const std::vector<std::size_t>& blocks) const;
   /// The grids of the surface. `ranks`: not collective.
   IslandGrids MakeIslandGrids(const Communicator& ranks) const;
 };

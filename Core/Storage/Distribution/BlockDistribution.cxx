@@ -25,12 +25,6 @@ struct Span
   double Size;
 };
 
-double ConvertToDouble(ValueType type, ValueKey key)
-{
-  return DispatchValueType(
-    type, [&](auto zero) { return static_cast<double>(MakeValueOfKey<decltype(zero)>(key)); });
-}
-
 /// The element and size of each block's range. Infinite ends are clamped.
 std::vector<Span> MakeSpans(ValueType type, const std::vector<KeyRange>& ranges)
 {
@@ -43,8 +37,7 @@ std::vector<Span> MakeSpans(ValueType type, const std::vector<KeyRange>& ranges)
     {
       continue;
     }
-    ends[block] = { ConvertToDouble(type, ranges[block].Minimum),
-      ConvertToDouble(type, ranges[block].Maximum) };
+    ends[block] = ranges[block].GetValues(type);
     for (const double end : ends[block])
     {
       if (std::isfinite(end))

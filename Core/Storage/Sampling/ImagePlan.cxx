@@ -59,6 +59,8 @@ std::optional<ImagePlan> PlanSlice(const BlockedVolume& volume, const Plane& pla
   plan.Level = found->Level;
   plan.Grid = lattice->GetImage();
   plan.HasOutside = !lattice->IsAligned();
+  const Index3 size = plan.Grid.GetDimensions();
+  plan.Size = std::to_string(size[0]) + " x " + std::to_string(size[1]) + " points";
   plan.Fill = [lattice, interpolation](const LevelSamples& samples, std::size_t variable,
                 const VertexBox& part, int threads, void* values, std::ptrdiff_t stride,
                 std::uint8_t* isInside, QueryStatistics& statistics, const Progress& progress)
@@ -66,6 +68,22 @@ std::optional<ImagePlan> PlanSlice(const BlockedVolume& volume, const Plane& pla
     return lattice->Sample(samples, variable, interpolation, part, threads, values, stride,
       isInside, statistics, progress);
   };
+  return plan;
+}
+
+std::optional<ImagePlan> PlanCoarseSlice(const BlockedVolume& volume, const Plane& plane,
+  Interpolation interpolation, double maximumPoints)
+{
+  constexpr double coarsePoints = 3e5;
+  constexpr int coarseLevel =
+    2; // level 1 is stored in the blocks of full resolution, and would read as much
+  auto plan = PlanSlice(volume, plane, interpolation, maximumPoints);
+  if (plan && plan->CountPoints() > coarsePoints)
+  {
+    auto coarse =
+      PlanSlice(volume, plane, interpolation, coarsePoints, std::max(plan->Level, coarseLevel));
+    return coarse ? coarse : plan;
+  }
   return plan;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Storage/Sampling/PointSampling.h"
 
+#include "Ground/Volume/VertexPlaces.h"
+
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -210,25 +212,6 @@ private:
 
 } // namespace
 
-PointPortions MakePointPortions(std::int64_t count, const VertexPlaces& places,
-  std::function<std::array<double, 3>(std::int64_t point)> find)
-{
-  constexpr std::int64_t size = 4096;
-  PointPortions portions;
-  portions.Count = static_cast<std::size_t>((count + size - 1) / size);
-  portions.Give = [count, &places, find = std::move(find)](
-                    std::size_t portion, std::vector<SamplePoint>& given)
-  {
-    given.clear();
-    const std::int64_t first = static_cast<std::int64_t>(portion) * size;
-    for (std::int64_t point = first; point < std::min(count, first + size); ++point)
-    {
-      given.push_back({ places.FindVertex(find(point)), point });
-    }
-  };
-  return portions;
-}
-
 Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpolation interpolation,
   const PointPortions& points, int threads, void* values, std::ptrdiff_t stride,
   std::uint8_t* isInside, QueryStatistics& statistics, const Progress& progress)
@@ -243,6 +226,35 @@ Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpola
     return PortionSampler(samples, variable, cost).Sample(cells, values, stride);
   };
   return ReadInParallel(points.Count, threads, sample, statistics, progress);
+}
+
+Status SampleArrays(const LevelSamples& samples, const std::vector<std::size_t>& arrays,
+  Interpolation interpolation, std::int64_t count,
+  const std::function<std::array<double, 3>(std::int64_t point)>& find, int threads,
+  const std::vector<void*>& values, std::uint8_t* isInside, const Progress& progress)
+{
+  const BlockedVolume& volume = samples.GetVolume();
+  const int level = samples.GetLevel();
+  const VertexPlaces places(volume.GetHeader().Grid.Coarsen(level), volume.GetLines(level));
+  constexpr std::int64_t size = 4096;
+  PointPortions portions;
+  portions.Count = static_cast<std::size_t>((count + size - 1) / size);
+  portions.Give = [&](std::size_t portion, std::vector<SamplePoint>& given)
+  {
+    given.clear();
+    const std::int64_t first = static_cast<std::int64_t>(portion) * size;
+    for (std::int64_t point = first; point < std::min(count, first + size); ++point)
+    {
+      given.push_back({ places.FindVertex(find(point)), point });
+    }
+  };
+  QueryStatistics unused;
+  return SampleComponents(volume.GetVariables(), arrays, values, progress,
+    [&](std::size_t variable, void* first, int stride, const Progress& advance)
+    {
+      return SamplePoints(samples, variable, interpolation, portions, threads, first, stride,
+        isInside, unused, advance);
+    });
 }
 
 } // namespace isosurface

@@ -5,7 +5,6 @@
 #include "Ground/Base/Progress.h"
 #include "Ground/Base/Status.h"
 #include "Ground/Volume/CutToRange.h"
-#include "Ground/Volume/VertexPlaces.h"
 #include "Storage/Sampling/LevelSamples.h"
 #include "Storage/Store/QueryStatistics.h"
 
@@ -44,11 +43,6 @@ struct PointPortions
   std::function<void(std::size_t portion, std::vector<SamplePoint>& points)> Give;
 };
 
-/// Points of the world in their order. `find` gives the place of one, for several threads at once; `places`, which
-/// must outlive the result, are those of the level.
-PointPortions MakePointPortions(std::int64_t count, const VertexPlaces& places,
-  std::function<std::array<double, 3>(std::int64_t point)> find);
-
 /**
  * Fills `values` with one variable at points, and `isInside` with 1 for each point within the grid,
  * else with 0; the values of points beyond it are left as they were. `isInside` may be null. Points
@@ -65,6 +59,13 @@ PointPortions MakePointPortions(std::int64_t count, const VertexPlaces& places,
 Status SamplePoints(const LevelSamples& samples, std::size_t variable, Interpolation interpolation,
   const PointPortions& points, int threads, void* values, std::ptrdiff_t stride,
   std::uint8_t* isInside, QueryStatistics& statistics, const Progress& progress = {});
+
+/// The same of some arrays at points of the world, whose places `find` gives to several threads at once. `values` has
+/// the tuples of each of the arrays.
+Status SampleArrays(const LevelSamples& samples, const std::vector<std::size_t>& arrays,
+  Interpolation interpolation, std::int64_t count,
+  const std::function<std::array<double, 3>(std::int64_t point)>& find, int threads,
+  const std::vector<void*>& values, std::uint8_t* isInside, const Progress& progress);
 
 /// The value that Interpolation::Linear stores: integers are rounded.
 template <typename Value>

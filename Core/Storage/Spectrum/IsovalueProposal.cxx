@@ -89,16 +89,14 @@ std::optional<double> ProposeIsovalue(const WorkloadSpectrum& spectrum)
   {
     return std::nullopt;
   }
-  std::vector<double> values;
   std::vector<double> counts;
   for (std::size_t bin = 0; bin < volume.size(); ++bin)
   {
-    values.push_back(spectrum.Bins.GetEdge(bin));
     // Volumes are estimates, which may grow a little.
     const std::uint64_t next = bin + 1 < volume.size() ? volume[bin + 1] : 0;
     counts.push_back(volume[bin] > next ? static_cast<double>(volume[bin] - next) : 0.0);
   }
-  return ProposeIsovalue(values, counts);
+  return ProposeIsovalue(spectrum.Bins.GetEdges(), counts);
 }
 
 } // namespace isosurface

@@ -91,6 +91,16 @@ double SpectrumBins::GetEdge(std::size_t bin) const
   return std::ldexp(static_cast<double>(multiple), this->Exponent);
 }
 
+std::vector<double> SpectrumBins::GetEdges() const
+{
+  std::vector<double> edges;
+  for (std::size_t bin = 0; bin < this->Count; ++bin)
+  {
+    edges.push_back(this->GetEdge(bin));
+  }
+  return edges;
+}
+
 ValueKey SpectrumBins::GetEdgeKey(ValueType type, std::size_t bin) const
 {
   return DispatchValueType(type,
@@ -130,6 +140,19 @@ WorkloadSpectrum::GetQuantities() const
 {
   return std::array{ &this->Triangles, &this->ActiveCells, &this->ActiveBlocks, &this->Bytes,
     &this->Area, &this->Volume };
+}
+
+std::vector<double> WorkloadSpectrum::Scale(const Counts& quantity) const
+{
+  const double unit = &quantity == &this->Area ? this->AreaUnit
+    : &quantity == &this->Volume               ? this->VolumeUnit
+                                               : 1;
+  std::vector<double> scaled;
+  for (const std::uint64_t count : quantity)
+  {
+    scaled.push_back(static_cast<double>(count) * unit);
+  }
+  return scaled;
 }
 
 std::size_t WorkloadSpectrum::FindBin(double isovalue) const

@@ -41,6 +41,7 @@ struct SpectrumBins
   static SpectrumBins Choose(ValueType type, const KeyRange& finiteRange);
 
   double GetEdge(std::size_t bin) const;
+  std::vector<double> GetEdges() const;
   /// The key of the threshold of an edge: the minimum value of the type >= the edge. The bins must
   /// have been chosen for the type. Exact also where GetEdge() rounds: for large 64-bit integers.
   ValueKey GetEdgeKey(ValueType type, std::size_t bin) const;
@@ -84,6 +85,8 @@ struct WorkloadSpectrum
   static constexpr std::size_t NumberOfQuantities = 6;
   std::array<Counts*, NumberOfQuantities> GetQuantities();
   std::array<const Counts*, NumberOfQuantities> GetQuantities() const;
+  /// One of these quantities; area and volume in the units of the world.
+  std::vector<double> Scale(const Counts& quantity) const;
 
   /// The bin of the last edge <= isovalue; 0 if there is none. The quantities at that edge are
   /// those of the isovalue if it is on the edge, otherwise an approximation.

@@ -8,6 +8,7 @@
 #include "Ground/Volume/GridLines.h"
 #include "Surface/Pieces/MemoryGrids.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -27,6 +28,19 @@ struct MemoryImage
   std::vector<std::int64_t> Block; ///< the path of its block in the input
   /// The samples, in the vertices of a grid that has them.
   std::function<Result<MemoryPiece>(const GridGeometry& grid)> MakePiece;
+
+  /// Tells what they are a part of, an extent. What lines a rectilinear grid has beyond them is not known.
+  template <typename Extent>
+  void Declare(const Extent& whole)
+  {
+    this->IsDeclared = true;
+    for (std::size_t axis = 0; !this->Lines && axis < 6; axis += 2)
+    {
+      this->Grid.Extent[axis] = std::min<std::int64_t>(this->Grid.Extent[axis], whole[axis]);
+      this->Grid.Extent[axis + 1] =
+        std::max<std::int64_t>(this->Grid.Extent[axis + 1], whole[axis + 1]);
+    }
+  }
 };
 
 /// The images of a rank.

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace isosurface
@@ -26,6 +27,16 @@ struct MemoryPiece
   std::vector<AttributeView> Attributes; ///< to interpolate; the boxes are those of Components
   std::uint64_t Identity = 0;            ///< another one if the array or its samples are others
   std::shared_ptr<const void> Owner;     ///< keeps the samples alive, but not what Hidden refers to
+
+  /// Takes an array to interpolate: its components, which have a sample where Components have one.
+  void AddAttribute(AttributeView array)
+  {
+    for (SampleView& component : array.Components)
+    {
+      component.Box = this->Components.front().Box;
+    }
+    this->Attributes.push_back(std::move(array));
+  }
 
   std::uint64_t CountSamples() const
   {
