@@ -6,6 +6,7 @@ import json
 import math
 import os
 import pickle
+import re
 import shutil
 import subprocess
 import sys
@@ -727,6 +728,26 @@ class Ranges(AddressTest):
         volume = si.open(f"{self.server.url}/a_256x256x256_uint32.raw")
         numpy.testing.assert_array_equal(volume[128, 10:20, 30:40], samples[128, 10:20, 30:40])
         self.assertLess(self.server.sent, samples.nbytes / 50)
+
+    def test_the_first_rows_of_a_picture_are_from_all_of_a_large_file(self):
+        side = 1024
+        with open(self.www(f"a_{side}x{side}x{side}_uint8.raw"), "wb") as file:
+            file.truncate(side**3)  # without blocks on the disk
+        self.server.latency = 0.01
+        code = """
+import sys
+import scalable_isosurface as si
+
+reader = si.vtkInPlaceVolumeReader()
+reader.SetSourceName(sys.argv[1])
+reader.AllowCoarse(True)
+reader.Update()
+"""
+        address = f"{self.server.url}/a_{side}x{side}x{side}_uint8.raw"
+        subprocess.run([sys.executable, "-c", code, address], check=True)
+        asked = [re.fullmatch(r"bytes=(\d+)-\d+", text) for _, text, code in self.server.requests if code == 206]
+        eighths = {int(match[1]) * 8 // side**3 for match in asked[:200]}
+        self.assertEqual(eighths, set(range(8)))
 
     def test_files_name_no_others_of_this_machine_or_of_other_servers(self):
         for number, name in enumerate(("/etc/passwd", f"{self.server.url}/a_8x7x6_uint8.raw")):
