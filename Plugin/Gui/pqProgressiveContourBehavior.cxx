@@ -149,6 +149,8 @@ void pqProgressiveContourBehavior::OnStartup()
   }
   QObject::connect(application->getObjectBuilder(), &pqObjectBuilder::filterCreated, this,
     &pqProgressiveContourBehavior::ObserveFirst);
+  QObject::connect(application->getObjectBuilder(), &pqObjectBuilder::sourceCreated, this,
+    &pqProgressiveContourBehavior::ObserveFirst);
   QObject::connect(application->getObjectBuilder(),
     QOverload<pqPipelineSource*, const QStringList&>::of(&pqObjectBuilder::readerCreated), this,
     &pqProgressiveContourBehavior::ObserveFirst);
