@@ -10,7 +10,7 @@ from typing import Optional, Sequence, Union
 from . import _library
 from ._arguments import take_path, take_text, take_threads
 from ._edge_index import EdgeIndex
-from ._volume import check_region, name_file, open_volume, Volume
+from ._volume import check_place, check_region, name_file, open_volume, Volume
 
 #: Bytes that indexing and writing may take, as ParaView's writer.
 MEMORY = 1 << 30
@@ -24,6 +24,9 @@ def open(
     index_folder: Union[str, os.PathLike] = "",
     threads: Optional[int] = None,
     region: Optional[Sequence[float]] = None,
+    spacing: Optional[Sequence[float]] = None,
+    origin: Optional[Sequence[float]] = None,
+    length_unit: Optional[str] = None,
 ) -> Volume:
     """Opens a volume. Samples are read when the volume is indexed.
 
@@ -46,6 +49,10 @@ def open(
     region : sequence of six float, optional
         x0, x1, y0, y1, z0, z1 in the world: of a file of another format, only the part that has this box, which is
         a volume of whole chunks with its place in the world.
+    spacing, origin : sequence of three float, optional
+        x, y, z of the distance of vertices, and of the first vertex, in place of the file's. `region` counts with them.
+    length_unit : str, optional
+        In place of the file's: ``"mm"``, ``"um"``, ``"nm"``. Empty: none.
 
     Returns
     -------
@@ -77,7 +84,9 @@ def open(
     name = take_path("path", path)
     if _library.find_kind(os.fsencode(name)) == "edge index":
         return EdgeIndex(name, threads)  # type: ignore[return-value] # as before there was open_surface
-    volume = open_volume(name, step, axes, take_path("index_folder", index_folder), threads, check_region(region))
+    place = check_place(spacing, origin, length_unit)
+    folder = take_path("index_folder", index_folder)
+    volume = open_volume(name, step, axes, folder, threads, check_region(region), place)
     tell_left_out(name, volume._opened.file.left_out)
     return volume
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy
 
@@ -79,15 +79,21 @@ class _Opened:
     """A file and how it was opened; shared by the volumes that were made of one another."""
 
     def __init__(
-        self, path: str, axes: str, index_folder: str, threads: Optional[int], region: Optional[Sequence[float]]
+        self,
+        path: str,
+        axes: str,
+        index_folder: str,
+        threads: Optional[int],
+        region: Optional[Sequence[float]],
+        place: Mapping[str, Any],
     ) -> None:
-        self.how = (path, axes, index_folder, threads, region)
+        self.how = (path, axes, index_folder, threads, region, place)
         self.path = path
         self.threads = take_threads(threads)
         name = self.name = name_file(path)
         self.is_stored = _library.find_kind(name) == "blocked volume"
         self._file: Optional[_library.VolumeFile] = _library.open_volume(
-            name, take_text("axes", axes), os.fsencode(index_folder), self.threads, region=region
+            name, take_text("axes", axes), os.fsencode(index_folder), self.threads, region=region, **place
         )
 
     @property
@@ -553,9 +559,9 @@ class Volume:
         )
 
     def __reduce__(self) -> Any:
-        path, axes, folder, threads, region = self._opened.how
+        path, axes, folder, threads, region, place = self._opened.how
         path = path if "://" in path else os.path.abspath(path)
-        how = path, axes, folder and os.path.abspath(folder), threads, region
+        how = path, axes, folder and os.path.abspath(folder), threads, region, place
         return _reopen, (*how, self.name, self._step, self._level)
 
 
@@ -566,9 +572,10 @@ def open_volume(
     index_folder: str = "",
     threads: Optional[int] = None,
     region: Optional[Sequence[float]] = None,
+    place: Mapping[str, Any] = {},
 ) -> Volume:
-    """The first array of a file that has a volume, at level 0."""
-    volume = Volume(_Opened(path, axes, index_folder, threads, region), 0, 0, 0)
+    """The first array of a file that has a volume, at level 0. `place`: spacing, origin and unit in place of the file's."""
+    volume = Volume(_Opened(path, axes, index_folder, threads, region, place), 0, 0, 0)
     return volume.at(step)
 
 
@@ -578,12 +585,13 @@ def _reopen(
     index_folder: str,
     threads: Optional[int],
     region: Optional[Sequence[float]],
+    place: Mapping[str, Any],
     name: str,
     step: int,
     level: int,
 ) -> Volume:
     """A volume that was pickled, of a file that may be another one by now."""
-    return open_volume(path, step, axes, index_folder, threads, region).array(name).level(level)
+    return open_volume(path, step, axes, index_folder, threads, region, place).array(name).level(level)
 
 
 def list_isovalues(isovalue: Any) -> Sequence[float]:
@@ -591,6 +599,18 @@ def list_isovalues(isovalue: Any) -> Sequence[float]:
     if not len(isovalues):
         raise ValueError("there is no isovalue")
     return isovalues.tolist()
+
+
+def check_place(
+    spacing: Optional[Sequence[float]], origin: Optional[Sequence[float]], length_unit: Optional[str]
+) -> Mapping[str, Any]:
+    place: Dict[str, Any] = {}
+    for name, given in (("spacing", spacing), ("origin", origin)):
+        if given is not None:
+            place[name] = take_numbers(name, given, (3,), "x, y, z").tolist()
+    if length_unit is not None:
+        place["unit"] = take_text("length_unit", length_unit)
+    return place
 
 
 def check_region(region: Optional[Sequence[float]]) -> Optional[Sequence[float]]:

@@ -99,6 +99,29 @@ class Samples(VolumeTest):
         self.assertEqual(numpy.asarray(volume, numpy.float32).dtype, numpy.float32)
         numpy.testing.assert_array_equal(list(volume)[7], samples[7])
 
+    def test_a_file_is_opened_at_another_place(self):
+        samples = make_waves()
+        write_nrrd(self.path("waves.nrrd"), samples)
+        place = {"spacing": (1, 2, 4), "origin": (0, -10, 5), "length_unit": "um"}
+        volume = si.open(self.path("waves.nrrd"), **place)
+        for opened in (volume, pickle.loads(pickle.dumps(volume))):
+            found = opened.spacing, opened.origin, opened.length_unit
+            self.assertEqual(found, ((1, 2, 4), (0, -10, 5), "um"))
+        file = si.open(self.path("waves.nrrd"))
+        self.assertEqual((file.spacing, file.origin), ((0.5, 1, 2), (10, 20, 30)))
+        points = (file.isosurface(0.3).points - file.origin) * 2 + volume.origin
+        numpy.testing.assert_allclose(volume.isosurface(0.3).points, points, atol=1e-4)
+        si.index(self.path("waves.nrrd"))
+        numpy.testing.assert_allclose(si.open(self.path("waves.nrrd"), **place).isosurface(0.3).points, points, atol=1e-4)
+        for error, wrong in (
+            ("spacing is x, y, z, and not 1", {"spacing": 1}),
+            ("Spacing is set to 1, 0, 1: distances are finite and above 0", {"spacing": (1, 0, 1)}),
+            ("origin has a number that is not finite", {"origin": (0, 0, float("inf"))}),
+            ("furlong is no unit of length", {"length_unit": "furlong"}),
+        ):
+            with self.assertRaisesRegex(ValueError, error):
+                si.open(self.path("waves.nrrd"), **wrong)
+
     def test_units_are_told_and_kept(self):
         samples = make_samples("uint8")
         plain = si.create(samples, self.path("plain.bvol"))
