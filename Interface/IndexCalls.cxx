@@ -7,6 +7,7 @@
 #include "Formats/Indexing/SourceSampler.h"
 
 #include <memory>
+#include <new>
 #include <utility>
 
 using namespace isosurface;
@@ -22,6 +23,11 @@ struct si_growing
   std::string Text;
 };
 
+struct si_fetching
+{
+  std::shared_ptr<FetchBudget> Budget; ///< of the last name
+};
+
 namespace isosurface
 {
 namespace
@@ -35,7 +41,14 @@ Result<SourceIndex> FindIndex(
   ISOSURFACE_ASSIGN_OR_RETURN(auto index,
     SourceIndex::FindPartOf(GetLocalFileSystem(), name, "", choice.Axes, choice.IndexFolder,
       choice.Place, choice.Bounds));
-  index.Fetching = std::make_shared<FetchBudget>(index.Source, taken.fetch_budget);
+  std::shared_ptr<FetchBudget> alone;
+  std::shared_ptr<FetchBudget>& budget = taken.fetching ? taken.fetching->Budget : alone;
+  if (!budget || budget->GetSource() != index.Source)
+  {
+    budget = std::make_shared<FetchBudget>(index.Source, taken.fetch_budget);
+  }
+  budget->SetLimit(taken.fetch_budget);
+  index.Fetching = budget;
   return index;
 }
 
@@ -100,6 +113,16 @@ Result<std::shared_ptr<VolumeFile>> OpenGrown(Communicator& ranks, si_growing& g
 
 } // namespace
 } // namespace isosurface
+
+si_fetching* si_fetching_new(void)
+{
+  return new (std::nothrow) si_fetching;
+}
+
+void si_fetching_free(si_fetching* fetching)
+{
+  delete fetching;
+}
 
 si_result si_write_index(
   const char* name, const si_opening* opening, uint64_t memory, const si_run* run)

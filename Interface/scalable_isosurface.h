@@ -177,6 +177,12 @@ extern "C"
   /* ---------------------------------------------------------------------------------------------------------- */
   /* Volumes */
 
+  /* What indexing has fetched of an address, one call after another (si_opening). For the last name that it was used
+   * with; one call at a time. */
+  typedef struct si_fetching si_fetching;
+  SI_API si_fetching* si_fetching_new(void);
+  SI_API void si_fetching_free(si_fetching* fetching);
+
   /* How a volume is opened. What is NULL is as the file says. */
   typedef struct si_opening
   {
@@ -189,6 +195,7 @@ extern "C"
     int32_t local_stores; /* not 0: stores may be on disks that one rank reaches, and ranks share whole stores */
     const double* region; /* x0 x1 y0 y1 z0 z1: only the part of a file of another format that has this box; NULL: all */
     uint64_t fetch_budget; /* bytes that indexing may fetch from an address; 0: no limit */
+    si_fetching* fetching;    /* what was fetched before counts, too; NULL: fetch_budget counts from 0 */
   } si_opening;
 
   typedef struct si_volume si_volume;

@@ -53,6 +53,7 @@ _make_opening, _ = _sized(
     "si_opening",
     ("axes", c_char_p), ("index_folder", c_char_p), ("spacing", POINTER(c_double)), ("origin", POINTER(c_double)),
     ("length_unit", c_char_p), ("local_stores", c_int32), ("region", POINTER(c_double)), ("fetch_budget", c_uint64),
+    ("fetching", c_void_p),
 )  # fmt: skip
 _, _VolumeInfo = _sized(
     "si_volume_info",
@@ -184,12 +185,13 @@ _GIVERS: Dict[str, Tuple[str, Any]] = {
     "surface_file_describe": ("p", POINTER(_SurfaceInfo)),
     "version": ("", c_int32),
     "error": ("", c_char_p),
+    "fetching_new": ("", c_void_p),
     "type_name": ("i", c_char_p),
     **{
         name: ("p", None)
         for name in (
             "texts_free", "volume_close", "slice_free", "spectrum_free", "boxes_free", "surface_free", "images_free",
-            "surface_file_close", "growing_stop", "growing_free",
+            "surface_file_close", "growing_stop", "growing_free", "fetching_free",
         )
     },
 }  # fmt: skip

@@ -247,6 +247,14 @@ def read_attributes(path: bytes, axes: str) -> str:
     return _list_texts(_si.read_attributes, path, encode(axes))[0]
 
 
+class Fetching(_Owned):
+    """si_fetching: what indexes have fetched of an address, one after another."""
+
+    def __init__(self) -> None:
+        super().__init__(None, _si.fetching_free)
+        self.pointer = c_void_p(_si.fetching_new())
+
+
 def _opening(
     axes: str,
     folder: bytes,
@@ -256,6 +264,7 @@ def _opening(
     local_stores: int = 0,
     region: Optional[Sequence[float]] = None,
     fetch_budget: int = 0,
+    fetching: Optional[Fetching] = None,
 ) -> Any:
     """A reference to a si_opening."""
     return byref(
@@ -268,6 +277,7 @@ def _opening(
             local_stores=local_stores,
             region=None if region is None else (c_double * 6)(*region),
             fetch_budget=fetch_budget,
+            fetching=fetching and fetching.pointer,
         )
     )
 

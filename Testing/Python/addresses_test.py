@@ -369,6 +369,27 @@ part.Update()
         self.assertNotEqual(done.returncode, 0)
         self.assertRegex(done.stderr, "the budget of bytes is spent")
 
+    def test_a_budget_of_one_index_after_another_is_of_the_name(self):
+        os.environ.pop("SCALABLE_ISOSURFACE_CACHE_BYTES")
+        self.server.latency = 0.02
+        budget = _library.Fetching()
+        address = self.address.encode()
+
+        def write(limit, name=address):
+            self.server.forget()
+            _library.write_index(name, "", b"", 1 << 30, 2, fetch_budget=limit, fetching=budget)
+
+        for limit in (2000000, 2000000, 4000000):
+            with self.assertRaisesRegex(OSError, "the budget of bytes is spent: .* of 11 MB fetched"):
+                write(limit)
+            self.assertLess(self.server.sent, 2.0e6 + 32 * 10000 * 3)
+        with self.assertRaisesRegex(OSError, "the budget of bytes is spent"):
+            write(4000000)
+        self.assertLess(self.server.sent, 100000, "it was spent before")
+        write(1500000, address + b":[0-31,0-31,0-31]")
+        write(0)
+        numpy.testing.assert_array_equal(si.open(self.address)[...], self.samples)
+
     #: A process of its own: calls of VTK keep the server's threads of this one waiting.
     READER = """
 import sys

@@ -265,6 +265,7 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
         self._datasets = None
         self._growing = self._growing_step = self._failed = None
         self._times = []
+        self._fetching = _library.Fetching()
 
     def name(self, path):
         what = self.values["RawSamples"] or self.values["Dataset"].replace("automatic", "")
@@ -332,13 +333,14 @@ class vtkInPlaceVolumeReader(vtkBlockedVolumeReader):
             name, axes, folder = self.name(self.path)
             given = os.fsencode(name), axes, os.fsencode(folder)
             memory = self.values["IndexMemory"] * MEBIBYTE
+            place = {**self.place(), "fetching": self._fetching}
             where = folder or os.path.dirname(os.path.abspath(self.path))
             if self.ranks is None and (self.polled or not os.access(where, os.W_OK)):
                 self._failed, self._growing_step = None, step
-                self._growing = _library.GrowingFile(*given, step, memory, self.how, **self.place())
+                self._growing = _library.GrowingFile(*given, step, memory, self.how, **place)
                 self.take(None if self.polled else 0.1)
             else:
-                _library.write_index(*given, memory, 0, self.how, **self.place())
+                _library.write_index(*given, memory, 0, self.how, **place)
                 self.file = self.open_file(self.place())
 
     def finish(self):
