@@ -165,6 +165,7 @@ int vtkContourSpectrum::RequestData(
   vtkTable* table = vtkTable::GetData(output, 0);
   const VolumeInput volume(inInfo);
   ReleaseVolume(*this, inInfo);
+  this->Share = volume ? volume.GetHandle().GetSampleShare() : 1;
 
   Work& work = *this->Internals;
   this->Proposal = None;

@@ -109,6 +109,9 @@ public:
   vtkGetMacro(Proposal, double);
   ///@}
 
+  /// Of a sample that does not reach through all of its file: the share that the last table is of; else 1.
+  vtkGetMacro(Share, double);
+
   /// As vtkStabbingContour's.
   const char* GetUnit();
 
@@ -137,6 +140,7 @@ private:
   std::array<double, 10> Refinement;
   bool ProposesAlone = false;
   double Proposal;
+  double Share = 1;
   std::string Unit;
   const std::unique_ptr<Work> Internals;
 };

@@ -195,7 +195,7 @@ extern "C"
     int32_t local_stores; /* not 0: stores may be on disks that one rank reaches, and ranks share whole stores */
     const double* region; /* x0 x1 y0 y1 z0 z1: only the part of a file of another format that has this box; NULL: all */
     uint64_t fetch_budget; /* bytes that indexing may fetch from an address; 0: no limit */
-    si_fetching* fetching;    /* what was fetched before counts, too; NULL: fetch_budget counts from 0 */
+    si_fetching* fetching; /* what was fetched before counts, too; NULL: fetch_budget counts from 0 */
   } si_opening;
 
   typedef struct si_volume si_volume;

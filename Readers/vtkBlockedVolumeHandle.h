@@ -70,14 +70,17 @@ public:
 
   ///@{
   /**
-   * If the volume is a sample of a file that is being indexed: how much of it that is, for people, and
-   * the path of the volume that the file will be, if the sample reaches through all of it.
+   * If the volume is a sample of a file that is being indexed: how much of it that is, for people, the
+   * path of the volume that the file will be, if the sample reaches through all of it, and through which share of it
+   * the sample reaches.
    */
-  void SetSample(const std::string& text, const std::string& sampled)
+  void SetSample(const std::string& text, const std::string& sampled, double share = 1)
   {
     this->SampleText = text;
     this->Sampled = sampled;
+    this->SampleShare = share;
   }
+  double GetSampleShare() const { return this->SampleShare; }
   const std::string& GetSampleText() const { return this->SampleText; }
   const std::string& GetSampled() const { return this->Sampled; }
   ///@}
@@ -139,6 +142,7 @@ private:
   std::vector<std::size_t> Arrays;
   std::string SampleText;
   std::string Sampled;
+  double SampleShare = 1;
   std::shared_ptr<isosurface::FinishedLayers> Finished;
   std::set<const vtkObject*> Takers;
   bool IsAsked = false;

@@ -280,8 +280,8 @@ bool vtkBlockedVolumeReader::OpenVolume()
   (*volume)->SetLocalStores(this->LocalStores);
   this->Handle->SetVolume(*volume);
   const bool isSample = this->StandIn && !this->StandIn->GetSampleText().empty();
-  this->Handle->SetSample(
-    isSample ? this->StandIn->GetSampleText() : "", isSample ? this->StandIn->GetSampled() : "");
+  this->Handle->SetSample(isSample ? this->StandIn->GetSampleText() : "",
+    isSample ? this->StandIn->GetSampled() : "", isSample ? this->StandIn->GetSampleShare() : 1);
   this->Handle->SetFinished(isSample ? this->StandIn->GetFinished() : nullptr);
   if (!isSample)
   {

@@ -28,6 +28,7 @@
 #include "Ground/Base/ReadingStop.h"
 #include "Ranks/Query/Refinement.h"
 #include "Storage/Store/BlockedVolume.h"
+#include "Storage/Store/FinishedLayers.h"
 
 #include <algorithm>
 #include <chrono>
@@ -307,7 +308,8 @@ Status vtkInPlaceVolumeReader::Steps::Choose(isosurface::Communicator& ranks)
     }
     const isosurface::SourceSample& sample = reader.Growing->GetSample();
     volume = sample.Volume;
-    standIn->SetSample(sample.Text, sample.Share == 1 && sample.Step == 0 ? this->Index.Path : "");
+    standIn->SetSample(
+      sample.Text, sample.Share == 1 && sample.Step == 0 ? this->Index.Path : "", sample.Share);
     standIn->SetFinished(reader.Growing->GetFinished());
     reader.Stage = RefinementStage::Working;
     reader.IndexText = this->Index.Path + ": is being written";
@@ -347,6 +349,7 @@ Status vtkInPlaceVolumeReader::Steps::Grow(
     });
   ISOSURFACE_RETURN_IF_ERROR(ranks.Agree(begun.GetStatus()));
   this->Reader.Growing = std::move(*begun);
+  this->Reader.TellSight();
   return Status::Ok();
 }
 
@@ -360,7 +363,10 @@ const char* vtkInPlaceVolumeReader::GetIndexText()
   // The message of a spent one tells it.
   const bool isTold = this->Fetching && !this->Fetching->IsSpent();
   const std::string fetched = isTold ? this->Fetching->Describe() : "";
-  this->ToldText = this->IndexText + (fetched.empty() ? "" : "; " + fetched);
+  const bool isWaiting = this->Growing && this->Growing->IsWaiting();
+  this->ToldText = this->IndexText +
+    (isWaiting ? "; the budget is too small for all: what is looked at is read" : "") +
+    (fetched.empty() ? "" : "; " + fetched);
   return this->ToldText.c_str();
 }
 
@@ -622,13 +628,31 @@ void vtkInPlaceVolumeReader::AdvanceIndex(int milliseconds)
   }
 }
 
+void vtkInPlaceVolumeReader::LookAlong(const double sight[8])
+{
+  this->Looked = std::make_unique<isosurface::Sight>();
+  std::copy_n(sight, 3, this->Looked->Eye.begin());
+  std::copy_n(sight + 3, 3, this->Looked->Direction.begin());
+  this->Looked->Radius = sight[6];
+  this->Looked->Widening = sight[7];
+  this->TellSight();
+}
+
+void vtkInPlaceVolumeReader::TellSight()
+{
+  if (this->Looked && this->Growing && this->Growing->GetFinished())
+  {
+    this->Growing->GetFinished()->LookAlong(*this->Looked);
+  }
+}
+
 double* vtkInPlaceVolumeReader::GetRefinement()
 {
   isosurface::Refinement refinement;
   refinement.Stage = this->Stage;
   if (this->Growing)
   {
-    refinement.Share = this->Growing->GetProgress();
+    refinement.Share = this->Growing->IsWaiting() ? -1 : this->Growing->GetProgress();
     refinement.Bytes = this->Fetching ? static_cast<double>(this->Fetching->CountFetched()) : 0;
     refinement.FreeBytes = this->Fetching ? static_cast<double>(this->Fetching->GetLimit()) : 0;
     refinement.Seconds = this->Growing->EstimateSeconds();

@@ -37,6 +37,7 @@ namespace isosurface
 class Communicator;
 class FetchBudget;
 class GrowingIndex;
+struct Sight;
 struct SourceIndex;
 class Status;
 enum class RefinementStage;
@@ -166,6 +167,12 @@ public:
    */
   void AdvanceIndex(int milliseconds);
   void TakeIndex();
+  /**
+   * What a person looks at: a point, a direction, the radius that is seen at the point, and what it widens by with
+   * each unit of the distance. The surface of a sample becomes exact there first. Neither a property nor a change: it
+   * decides about the order of reading alone.
+   */
+  void LookAlong(const double sight[8]);
   void StopIndex(); ///< this is no error: the next execution after a modification goes on
   double* GetRefinement() VTK_SIZEHINT(10);
   ///@}
@@ -192,6 +199,8 @@ private:
   std::size_t FindStep(vtkInformation* outInfo) const;
   /// Whether a sample is shown that is of another time step.
   bool IsOtherSample(std::size_t step) const;
+  /// Tells the index that grows what is looked at.
+  void TellSight();
   /// Has the output of the indexed volume read beside the calling thread; whether all ranks have it.
   /// Collective.
   bool PrepareVolume(isosurface::Communicator& ranks, double seconds);
@@ -218,6 +227,7 @@ private:
   std::array<double, 10> Refinement = {};
   std::string WindowSource; ///< the source whose window was looked for last
   std::optional<std::array<double, 2>> Window;
+  std::unique_ptr<isosurface::Sight> Looked;         ///< null before LookAlong
   std::unique_ptr<isosurface::GrowingIndex> Growing; ///< while a sample is shown
   vtkSmartPointer<vtkBlockedVolumeHandle> Indexed;   ///< the volume, between its end and TakeIndex
 };

@@ -41,6 +41,13 @@ std::uint64_t FetchBudget::CountMine() const
   return this->IsRunning ? *this->Counter - this->Idle : this->Kept.load();
 }
 
+bool FetchBudget::IsWithin(int ranks) const
+{
+  const std::uint64_t limit = this->Limit;
+  const auto count = static_cast<std::uint64_t>(ranks);
+  return limit == 0 || this->CountMine() < (limit + count - 1) / count;
+}
+
 void FetchBudget::Gather(Communicator& ranks)
 {
   const std::uint64_t mine = this->CountMine();
@@ -60,12 +67,10 @@ std::string FetchBudget::Describe() const
 Status FetchBudget::Run(Communicator& ranks, const Progress& progress,
   const std::function<Status(const Progress& advance)>& work)
 {
-  const auto count = static_cast<std::uint64_t>(ranks.GetSize());
   std::atomic<bool> isSpent = false; // even if the limit has been raised since; any thread may ask
-  const Progress isWithin = [this, count, &isSpent](double)
+  const Progress isWithin = [this, count = ranks.GetSize(), &isSpent](double)
   {
-    const std::uint64_t limit = this->Limit;
-    const bool isMore = limit > 0 && this->CountMine() >= (limit + count - 1) / count;
+    const bool isMore = !this->IsWithin(count);
     if (isMore)
     {
       isSpent = true;

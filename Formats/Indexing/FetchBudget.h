@@ -38,6 +38,14 @@ public:
   bool IsSpent() const { return this->HasEndedWork; }
   /// The bytes of the samples that are wanted, once they are known.
   void SetSampleBytes(std::uint64_t bytes) { this->SampleBytes = bytes; }
+  /// Whether this rank, one of `ranks`, has not spent its share.
+  bool IsWithin(int ranks) const;
+  /// Whether all samples are out of question, however well they are compressed.
+  bool IsFarTooSmall() const
+  {
+    const std::uint64_t limit = this->Limit;
+    return limit > 0 && this->SampleBytes / limit >= MostCompressed;
+  }
 
   /// "412 MB of 1.9 TB fetched, at most 4.3 GB"; "" if nothing is.
   std::string Describe() const;
@@ -51,6 +59,8 @@ public:
     const std::function<Status(const Progress& advance)>& work);
 
 private:
+  static constexpr std::uint64_t MostCompressed = 16;
+
   std::uint64_t CountMine() const;
 
   const std::string Source;

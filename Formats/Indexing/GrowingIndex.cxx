@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Formats/Indexing/GrowingIndex.h"
 
+#include "Formats/Indexing/FetchBudget.h"
 #include "Formats/Indexing/SourceSampler.h"
 #include "Formats/Opener/ForeignVolume.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -44,7 +46,9 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
   if (this->Sample.Volume)
   {
     this->Finished = std::shared_ptr<FinishedLayers>(
-      new FinishedLayers(place, OpenForeignVolume, this->Index.Path, this->Index.Place),
+      new FinishedLayers(place, OpenForeignVolume, this->Index.Path, this->Index.Place,
+        [budget = this->Index.Fetching, count = ranks.GetSize()]
+        { return !budget || budget->IsWithin(count); }),
       [memory = this->Memory](FinishedLayers* layers) { delete layers; });
   }
   const bool isCoarse = this->Sample.Volume && this->Sample.Share == 1 &&
@@ -72,8 +76,10 @@ GrowingIndex::GrowingIndex(Communicator& ranks, FileSystem& files, SourceIndex i
         ISOSURFACE_RETURN_IF_ERROR(this->FetchFiner(all, level, vertices, seconds, advance));
       }
       ISOSURFACE_ASSIGN_OR_RETURN(this->LeftOut,
-        WriteSourceIndex(
-          all, place, this->Index, memoryBytes, tell, this->Collector.get(), this->Finished.get()));
+        WriteSourceIndex(all, place, this->Index, memoryBytes, tell, this->Collector.get(),
+          this->Finished.get(), 0,
+          [this](Communicator& relay, const Progress& go)
+          { return this->WaitForBudget(relay, go); }));
       return Status::Ok();
     });
 }
@@ -101,6 +107,26 @@ Status GrowingIndex::FetchFiner(
     this->HasFiner = true;
   }
   return Status::Ok();
+}
+
+Status GrowingIndex::WaitForBudget(Communicator& ranks, const Progress& advance)
+{
+  constexpr std::chrono::milliseconds pause{ 50 };
+  for (;;)
+  {
+    const bool isFar =
+      this->Finished && this->Index.Fetching && this->Index.Fetching->IsFarTooSmall();
+    std::vector<std::uint64_t> all = { isFar && !this->IsAwaited ? 1U : 0U, advance(0) ? 1U : 0U };
+    ranks.ReduceMinimum(all);
+    this->Waits = all[0] != 0;
+    if (all[0] == 0 || all[1] == 0)
+    {
+      return all[1] != 0
+        ? Status::Ok()
+        : Status(StatusCode::Aborted, this->Index.Source + ": indexing was stopped");
+    }
+    std::this_thread::sleep_for(pause);
+  }
 }
 
 bool GrowingIndex::IsCurrent() const

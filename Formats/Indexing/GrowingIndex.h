@@ -33,8 +33,10 @@ class FinishedLayers;
  * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
  * writing it may be.
  *
- * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished). If it is a coarse one of all of
+ * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished), and of boxes before
+ * that. If it is a coarse one of all of
  * an address, a finer one is fetched first, as fine as some seconds allow.
+ * If the budget is far too small for the volume, boxes alone are read until it is raised, or the end is waited for.
  *
  * The destructor stops the writing. Then an older index stays as it was, and what is written of this
  * one is kept for the next try (WriteSourceIndex).
@@ -73,8 +75,11 @@ public:
   /// Waits for the end (CollectiveTask::Finish). Collective.
   Status Finish(Communicator& ranks, const Progress& progress)
   {
+    this->IsAwaited = true;
     return this->Writing->Finish(ranks, progress);
   }
+  /// Whether the writing waits for a larger budget.
+  bool IsWaiting() const { return this->Waits; }
   /// Asks it to stop, without waiting for that. Then it ends with StatusCode::Aborted.
   void Stop() { this->Writing->Stop(); }
   /// The finished fraction, 0 to 1.
@@ -98,6 +103,8 @@ private:
   /// Fetches a larger sample than one of this level and so many vertices, which took so long.
   Status FetchFiner(Communicator& ranks, int level, std::int64_t vertices, double seconds,
     const Progress& progress);
+  /// Waits while the budget is far too small. Collective.
+  Status WaitForBudget(Communicator& ranks, const Progress& advance);
   /// Each rank tells the others what it has sampled, now and then.
   Status GatherSamples(Communicator& ranks);
   /// Begins to make the volume of the slices of the sample that all ranks know, if these are many more
@@ -119,8 +126,10 @@ private:
   std::int64_t CommonSlices = 0;             ///< complete on all ranks
   std::uint64_t GatheredSteps = 0;           ///< of the work when samples were gathered last
   std::string LeftOut;                       ///< the thread's until it has ended
-  std::atomic<double> FirstProgress = -1;    ///< negative before the first round
-  std::unique_ptr<CollectiveTask> Writing;   ///< the last member: it uses the others
+  std::atomic<bool> IsAwaited = false;
+  std::atomic<bool> Waits = false;
+  std::atomic<double> FirstProgress = -1;  ///< negative before the first round
+  std::unique_ptr<CollectiveTask> Writing; ///< the last member: it uses the others
 };
 
 } // namespace isosurface

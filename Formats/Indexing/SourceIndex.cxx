@@ -17,6 +17,7 @@
 #include "Storage/Store/FinishedLayers.h"
 #include "Storage/Store/SourceRecord.h"
 #include "Storage/Writing/BlockedVolumeWriter.h"
+#include "Storage/Writing/VolumePlan.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -126,7 +127,7 @@ bool IsNamedAlike(FileSystem& files, const std::filesystem::path& source)
 /// WriteSourceIndex() without the budget.
 Result<std::string> WriteSteps(Communicator& ranks, FileSystem& files, const SourceIndex& index,
   std::uint64_t memoryBytes, const Progress& progress, SampleCollector* collector,
-  FinishedLayers* finished, int threads);
+  FinishedLayers* finished, int threads, const WhenSourceIsOpen& whenOpen);
 
 } // namespace
 
@@ -294,13 +295,15 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index)
 
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress,
-  SampleCollector* collector, FinishedLayers* finished, int threads)
+  SampleCollector* collector, FinishedLayers* finished, int threads,
+  const WhenSourceIsOpen& whenOpen)
 {
   std::string leftOut;
   const auto write = [&](const Progress& advance) -> Status
   {
-    ISOSURFACE_ASSIGN_OR_RETURN(
-      leftOut, WriteSteps(ranks, files, index, memoryBytes, advance, collector, finished, threads));
+    ISOSURFACE_ASSIGN_OR_RETURN(leftOut,
+      WriteSteps(
+        ranks, files, index, memoryBytes, advance, collector, finished, threads, whenOpen));
     return Status::Ok();
   };
   ISOSURFACE_RETURN_IF_ERROR(
@@ -313,7 +316,7 @@ namespace
 
 Result<std::string> WriteSteps(Communicator& ranks, FileSystem& files, const SourceIndex& index,
   std::uint64_t memoryBytes, const Progress& progress, SampleCollector* collector,
-  FinishedLayers* finished, int threads)
+  FinishedLayers* finished, int threads, const WhenSourceIsOpen& whenOpen)
 {
   BlockedVolumeWriter writer(ranks, files);
   std::string leftOut;
@@ -331,11 +334,22 @@ Result<std::string> WriteSteps(Communicator& ranks, FileSystem& files, const Sou
           ChunkDecoding decoding = { memoryBytes / CacheShare, threadsOfRank, {} };
           if (finished && step == 0)
           {
-            decoding.IsShared = [finished] { return finished->AreShown(); };
+            decoding.IsShared = [finished]
+            {
+              finished->WaitForBoxes();
+              return finished->AreShown();
+            };
           }
           ISOSURFACE_RETURN_IF_ERROR(
             ChunkedSource::Replace(volume.Source, files, OpenForeignVolume, index.Path,
               index.Source, *found.Settings.InPlace, volume.Grid, volume.Arrays, decoding));
+        }
+        if (finished && step == 0 && found.Settings.InPlace)
+        {
+          ISOSURFACE_ASSIGN_OR_RETURN(const auto planned,
+            PlanVolume(
+              index.Path, found.Volume.Grid, found.Volume.Arrays, found.Settings, std::nullopt, 1));
+          finished->Begin(planned);
         }
         if (finished && step == 0)
         {
@@ -362,6 +376,10 @@ Result<std::string> WriteSteps(Communicator& ranks, FileSystem& files, const Sou
       index.Fetching->SetSampleBytes(steps *
         static_cast<std::uint64_t>(volume.Grid.GetNumberOfVertices()) *
         SumValueSizes(ArrayVariables(volume.Arrays).GetStoredTypes()));
+    }
+    if (whenOpen && step == 0)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(whenOpen(ranks, progress));
     }
     opened->Settings.Publish = step + 1 == steps;
     opened->Settings.Threads = threadsOfRank;

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -88,6 +89,9 @@ Result<IndexState> FindIndexState(FileSystem& files, const SourceIndex& index);
 /// Whether files can be written where the index will be.
 bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
 
+/// Called by WriteSourceIndex before samples are read. Collective.
+using WhenSourceIsOpen = std::function<Status(Communicator& ranks, const Progress& advance)>;
+
 /**
  * Collective. Indexes all time steps of a source, its blocks in slabs, or at random where they are
  * copied, over as many stores as there are ranks, and returns what of the source is left out
@@ -101,7 +105,8 @@ bool CanWriteIndex(FileSystem& files, const SourceIndex& index);
  */
 Result<std::string> WriteSourceIndex(Communicator& ranks, FileSystem& files,
   const SourceIndex& index, std::uint64_t memoryBytes, const Progress& progress = {},
-  SampleCollector* collector = nullptr, FinishedLayers* finished = nullptr, int threads = 0);
+  SampleCollector* collector = nullptr, FinishedLayers* finished = nullptr, int threads = 0,
+  const WhenSourceIsOpen& whenOpen = {});
 
 } // namespace isosurface
 

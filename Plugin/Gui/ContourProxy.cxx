@@ -67,4 +67,13 @@ void CallOnServer(vtkSMProxy* proxy, const char* method, int argument)
   proxy->GetSession()->ExecuteStream(proxy->GetLocation(), stream);
 }
 
+void CallOnServer(vtkSMProxy* proxy, const char* method, const std::vector<double>& numbers)
+{
+  vtkClientServerStream stream;
+  stream << vtkClientServerStream::Invoke << VTKOBJECT(proxy) << method
+         << vtkClientServerStream::InsertArray(numbers.data(), static_cast<int>(numbers.size()))
+         << vtkClientServerStream::End;
+  proxy->GetSession()->ExecuteStream(proxy->GetLocation(), stream);
+}
+
 } // namespace isosurface

@@ -4,6 +4,8 @@
 
 #include "Ranks/Query/Refinement.h"
 
+#include <vector>
+
 class vtkSMProxy;
 
 namespace isosurface
@@ -24,6 +26,7 @@ int ReadLevel(vtkSMProxy* contour);
 /// Unlike vtkSMProxy::InvokeCommand this does not tell representations that data has changed.
 void CallOnServer(vtkSMProxy* proxy, const char* method);
 void CallOnServer(vtkSMProxy* proxy, const char* method, int argument);
+void CallOnServer(vtkSMProxy* proxy, const char* method, const std::vector<double>& numbers);
 
 } // namespace isosurface
 

@@ -5,17 +5,22 @@
 #include "CountWords.h"
 #include "StateLoading.h"
 
+#include "pqActiveObjects.h"
 #include "pqPipelineSource.h"
 #include "pqServer.h"
 #include "pqTimeKeeper.h"
 #include "pqTimer.h"
 #include "pqView.h"
 #include "vtkBoundingBox.h"
+#include "vtkCamera.h"
+#include "vtkMath.h"
 #include "vtkPVDataInformation.h"
+#include "vtkSMRenderViewProxy.h"
 #include "vtkSMSession.h"
 #include "vtkSMSourceProxy.h"
 
 #include <QAction>
+#include <QGuiApplication>
 #include <QMenu>
 
 #include <algorithm>
@@ -133,9 +138,42 @@ void pqIndexStatus::Update(const Sources& changed)
   }
 }
 
+std::vector<double> pqIndexStatus::FindSight()
+{
+  pqView* active = pqActiveObjects::instance().activeView();
+  auto* view = vtkSMRenderViewProxy::SafeDownCast(active ? active->getProxy() : nullptr);
+  vtkCamera* camera = view ? view->GetActiveCamera() : nullptr;
+  if (!camera)
+  {
+    return {};
+  }
+  const QSize size = active->getSize();
+  const double wide = std::max(1.0, size.height() > 0 ? 1.0 * size.width() / size.height() : 1.0);
+  std::vector<double> sight(8);
+  camera->GetPosition(sight.data());
+  camera->GetDirectionOfProjection(sight.data() + 3);
+  const bool isParallel = camera->GetParallelProjection() != 0;
+  sight[6] = isParallel ? wide * camera->GetParallelScale() : 0;
+  sight[7] =
+    isParallel ? 0 : wide * std::tan(vtkMath::RadiansFromDegrees(camera->GetViewAngle() / 2));
+  if (sight != this->Seen || QGuiApplication::mouseButtons() != Qt::NoButton)
+  {
+    this->Seen = sight;
+    this->SinceSeen.start();
+  }
+  return this->SinceSeen.hasExpired(RestMilliseconds) ? sight : std::vector<double>();
+}
+
 bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
 {
   vtkSMProxy* reader = source->getProxy();
+  const std::vector<double> sight = this->FindSight();
+  std::vector<double>& told = this->Told[reader->GetGlobalID()];
+  if (!sight.empty() && sight != told)
+  {
+    told = sight;
+    CallOnServer(reader, "LookAlong", sight);
+  }
   const bool isAlone = source->getServer()->getNumberOfPartitions() == 1;
   CallOnServer(reader, "AdvanceIndex", isAlone ? 0 : SliceMilliseconds);
   const isosurface::Refinement report = isosurface::ReadRefinement(reader);
@@ -152,11 +190,13 @@ bool pqIndexStatus::AdvanceOne(pqPipelineSource* source, Sources& changed)
       (report.FreeBytes > 0 ? tr(" of at most %1").arg(isosurface::FormatBytes(report.FreeBytes))
                             : QString())
     : QString();
-  this->setText(tr("Sample of %1 shown, indexing: %2 %%3%4")
-                  .arg(source->getSMName())
-                  .arg(std::floor(100 * report.Share))
-                  .arg(left)
-                  .arg(fetched));
+  this->setText(report.Share < 0
+      ? tr("Sample of %1 shown, exact where you look%2").arg(source->getSMName()).arg(fetched)
+      : tr("Sample of %1 shown, indexing: %2 %%3%4")
+          .arg(source->getSMName())
+          .arg(std::floor(100 * report.Share))
+          .arg(left)
+          .arg(fetched));
   return report.Stage == RefinementStage::Working;
 }
 

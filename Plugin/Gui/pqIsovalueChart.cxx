@@ -89,6 +89,19 @@ void pqIsovalueChart::SetStored(bool stored)
   this->update();
 }
 
+void pqIsovalueChart::SetShare(double share)
+{
+  this->Share = share;
+  this->update();
+}
+
+QString pqIsovalueChart::GetNote() const
+{
+  return this->Share < 1 && this->HasSpectrum()
+    ? tr("of %1 % of the volume").arg(std::ceil(100 * this->Share))
+    : QString();
+}
+
 void pqIsovalueChart::SetColors(const QVector<QColor>& colors)
 {
   this->Colors = colors;
@@ -412,6 +425,10 @@ void pqIsovalueChart::paintEvent(QPaintEvent*)
   painter.fillRect(plot, this->palette().base());
   this->Plot.PaintCurves(painter, plot, this->Axis, this->palette());
   this->Plot.PaintAxes(painter, plot, this->Axis, this->palette());
+  painter.setPen(this->palette().text().color());
+  // Beside the numbers of the scale: the right side may be out of sight in a narrow panel.
+  const int scale = painter.fontMetrics().horizontalAdvance(" 00.0 k ");
+  painter.drawText(plot.adjusted(scale, 2, 0, 0), Qt::AlignLeft | Qt::AlignTop, this->GetNote());
   if (!this->Message.isEmpty())
   {
     painter.setPen(this->palette().text().color());

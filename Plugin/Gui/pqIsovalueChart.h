@@ -38,6 +38,7 @@ class pqIsovalueChart : public QWidget
   Q_PROPERTY(QString isovalueText READ GetIsovalueText)
   Q_PROPERTY(QString rangeText READ GetRangeText)
   Q_PROPERTY(QString readout READ GetReadout)
+  Q_PROPERTY(QString note READ GetNote)
   Q_PROPERTY(int selected READ GetSelected WRITE Select)
   Q_PROPERTY(bool zoomed READ IsZoomed)
   Q_PROPERTY(bool hasSpectrum READ HasSpectrum)
@@ -67,6 +68,10 @@ public:
 
   /// Whether blocks and bytes are read from files; else they lie in memory.
   void SetStored(bool stored);
+
+  /// The share of the volume that the spectrum is of; less than 1 is told in a note.
+  void SetShare(double share);
+  QString GetNote() const;
 
   /// One color for each isovalue; none: a color of the style.
   void SetColors(const QVector<QColor>& colors);
@@ -132,6 +137,7 @@ private:
   isosurface::ValueAxis Axis;
   DurationWords Words;
   bool Stored = false;
+  double Share = 1;
 
   QVector<double> Isovalues;
   QVector<QColor> Colors;

@@ -317,6 +317,7 @@ void pqIsovaluePropertyWidget::FetchSpectrum()
                                                        : tr("There is no spectrum of this array."));
   }
   this->Chart->SetStored(this->Source->IsStored());
+  this->Chart->SetShare(this->Source->GetShare());
   if (this->Chart->GetSpectrum().IsEmpty())
   {
     auto* range = this->property()->FindDomain<vtkSMDoubleRangeDomain>();

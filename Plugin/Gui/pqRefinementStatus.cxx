@@ -73,8 +73,10 @@ void pqRefinementStatus::ShowRefinement(const Refinement& report)
 
 void pqRefinementStatus::ShowGrowth(const Refinement& report)
 {
-  this->setText(
-    report.Share > 0 ? tr("The first %1 % exact").arg(std::floor(100 * report.Share)) : QString());
+  const double percent = std::floor(100 * report.Share);
+  this->setText(report.Share <= 0 ? QString()
+      : percent < 1               ? tr("Less than 1 % exact")
+                                  : tr("%1 % exact").arg(percent));
   this->ShowBegin();
 }
 

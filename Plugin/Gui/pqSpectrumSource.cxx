@@ -186,6 +186,8 @@ SpectrumCurve pqSpectrumSource::Fetch(double time)
     }
     this->Spectrum->UpdatePropertyInformation(this->Spectrum->GetProperty("Spectrum"));
     tuples = vtkSMPropertyHelper(this->Spectrum, "Spectrum").GetDoubleArray();
+    this->Spectrum->UpdatePropertyInformation(this->Spectrum->GetProperty("Share"));
+    this->Share = vtkSMPropertyHelper(this->Spectrum, "Share").GetAsDouble();
   }
   END_UNDO_EXCLUDE();
   return MakeCurve(tuples, this->HasIntegers());

@@ -34,6 +34,8 @@ public:
 
   /// The spectrum at a time; empty if there is none, or if it is being counted. Waits for the server.
   isosurface::SpectrumCurve Fetch(double time);
+  /// The share of the volume that the last one is of.
+  double GetShare() const { return this->Share; }
   /// Whether counted() will tell that it can be fetched.
   bool IsCounting() const;
 
@@ -51,6 +53,7 @@ private:
 
   vtkSmartPointer<vtkSMProxy> Contour;
   vtkSmartPointer<vtkSMSourceProxy> Spectrum;
+  double Share = 1;
   pqTimer* Timer; ///< owned by this object; ParaView's test player waits for such timers
 };
 

@@ -268,6 +268,17 @@ TEST_F(IsovalueChart, WithoutASpectrumHandlesMoveOverTheRange)
   EXPECT_NEAR(this->GetIsovalue(0), 0.5, 0.01);
 }
 
+TEST_F(IsovalueChart, TellsOfWhichShareOfTheVolumeItIs)
+{
+  EXPECT_EQ(this->Chart.GetNote(), "");
+  const QImage before = this->Chart.grab().toImage();
+  this->Chart.SetShare(0.113);
+  EXPECT_EQ(this->Chart.GetNote(), "of 12 % of the volume");
+  EXPECT_NE(this->Chart.grab().toImage(), before);
+  this->Chart.SetSpectrum(isosurface::SpectrumCurve());
+  EXPECT_EQ(this->Chart.GetNote(), "") << "there is nothing";
+}
+
 TEST_F(IsovalueChart, LogarithmicScaleShowsSmallSurfaces)
 {
   // 1 triangle beside 1e6: on a linear scale it is less than a pixel above the bottom.

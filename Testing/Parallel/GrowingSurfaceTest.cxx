@@ -17,6 +17,7 @@
 #include "Formats/Opener/ForeignVolume.h"
 #include "Ground/Base/FileSystem.h"
 #include "Ranks/Query/Refinement.h"
+#include "Ranks/Query/SightedBox.h"
 #include "Storage/Store/BlockedVolume.h"
 #include "Storage/Store/FinishedLayers.h"
 #include "Storage/Store/SourceRecord.h"
@@ -26,6 +27,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -267,6 +269,111 @@ TEST_F(GrowingSurface, IsExactWhereTheFileIsIndexedAndThatOfTheSampleBehind)
   ofIndex->UpdatePiece(GetRank(), GetNumberOfRanks(), 0);
   const EdgeSurface grown = GatherSurface(mine);
   EXPECT_TRUE(AreEqual(grown, GatherSurface(ofIndex->GetOutput())));
+}
+
+/// The triangles in the cells of a box of vertices, or those elsewhere, and their points. One in a face of cells
+/// belongs to the cell before it.
+EdgeSurface KeepCells(
+  const EdgeSurface& surface, vtkImageData* image, const VertexBox& box, bool isWithin)
+{
+  const int* size = image->GetDimensions();
+  EdgeSurface kept;
+  std::set<std::int64_t> edges;
+  for (const EdgeSurface::Triangle& triangle : surface.Triangles)
+  {
+    bool isInside = true;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+    {
+      const std::int64_t stride = axis == 0 ? 1 : axis == 1 ? size[0] : size[0] * size[1];
+      const auto find = [&](std::int64_t edge) { return edge / 3 / stride % size[axis]; };
+      std::int64_t cell = size[axis];
+      for (const std::int64_t edge : triangle)
+      {
+        cell = std::min(cell, find(edge));
+      }
+      const bool isFlat = std::all_of(triangle.begin(), triangle.end(),
+        [&](std::int64_t edge)
+        { return edge % 3 != static_cast<std::int64_t>(axis) && find(edge) == cell; });
+      cell -= isFlat ? 1 : 0;
+      isInside = isInside && cell >= box.Low[axis] && cell < box.High[axis] - 1;
+    }
+    if (isInside == isWithin)
+    {
+      kept.Triangles.push_back(triangle);
+      edges.insert(triangle.begin(), triangle.end());
+    }
+  }
+  std::copy_if(surface.Points.begin(), surface.Points.end(), std::back_inserter(kept.Points),
+    [&](const EdgePoint& point) { return edges.count(point.Edge) > 0; });
+  return kept;
+}
+
+/// At the faces of a box that was read alone, normals are one-sided.
+EdgeSurface DropNormals(EdgeSurface surface)
+{
+  for (EdgePoint& point : surface.Points)
+  {
+    point.Normal = {};
+  }
+  return surface;
+}
+
+/// How far the nearest point of a surface is along x, within a tenth of what is seen there.
+double FindNearest(vtkPolyData* mine, const Sight& sight)
+{
+  std::vector<std::uint64_t> nearest = { 1'000'000 };
+  for (vtkIdType point = 0; point < mine->GetNumberOfPoints(); ++point)
+  {
+    double place[3];
+    mine->GetPoint(point, place);
+    const double along = place[0] - sight.Eye[0];
+    if (std::hypot(place[1] - sight.Eye[1], place[2] - sight.Eye[2]) <=
+      0.1 * sight.FindRadius(along))
+    {
+      nearest[0] = std::min(nearest[0], static_cast<std::uint64_t>(1000 * along));
+    }
+  }
+  ControllerCommunicator(GetRanks()).ReduceMinimum(nearest);
+  return static_cast<double>(nearest[0]) / 1000;
+}
+
+TEST_F(GrowingSurface, IsExactFirstWhereAPersonLooks)
+{
+  BlockedVolumeHeader planned = this->Header;
+  planned.TimeSteps.back().Source->Chunk = Index3{ 8, 8, 8 };
+  this->Finished->Begin(planned);
+  const double* const bounds = this->Image->GetBounds();
+  Sight sight;
+  sight.Eye = { bounds[0] - 100, (bounds[2] + bounds[3]) / 2, (bounds[4] + bounds[5]) / 2 };
+  sight.Direction = { 1, 0, 0 };
+  sight.Widening = 0.5;
+  ShowByHand(this->Contour);
+  EXPECT_EQ(this->Prepare(), Growing) << "nobody looks";
+  const std::int64_t ids = 3 * static_cast<std::int64_t>(this->Image->GetNumberOfPoints());
+  const double distance = FindNearest(this->Contour->GetOutput(), sight);
+  this->Finished->LookAlong(sight);
+  vtkPolyData* mine = this->Grow();
+  const EdgeSurface exact = GatherSurface(mine, 0, ids);
+  const EdgeSurface around = GatherSurface(mine, ids);
+  const EdgeSurface whole = ContourByFlyingEdges(this->Image, Isovalue);
+  if (GetRank() == 0)
+  {
+    const SightedBox box =
+      FindSightedBox(planned, sight, distance, {}, this->Image->GetNumberOfPoints() / 16,
+        (*BlockedVolume::Open(this->Folder.GetPath("sample.bvol")))->GetHeader().Grid, nullptr);
+    EXPECT_FALSE(box.Exact.IsEmpty());
+    EXPECT_GT(exact.Triangles.size(), 100u);
+    EXPECT_TRUE(
+      AreEqual(DropNormals(exact), DropNormals(KeepCells(whole, this->Image, box.Exact, true))));
+    EXPECT_TRUE(AreEqual(around,
+      KeepCells(ContourByFlyingEdges(this->Sample, Isovalue), this->Sample, box.Sampled, false)));
+  }
+  EXPECT_EQ(this->Prepare(), Growing) << "no more is looked at";
+  this->Finish(100);
+  const EdgeSurface layers = GatherSurface(this->Grow(), 0, ids);
+  EXPECT_TRUE(GetRank() > 0 ||
+    layers.Triangles.size() > KeepSlices(whole, this->Image, 0, 48).Triangles.size())
+    << "the box is kept";
 }
 
 /// The index of a stream, which can only be read in order, has its samples.

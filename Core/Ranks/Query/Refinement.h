@@ -31,7 +31,8 @@ struct Refinement
   int NextLevel = 0;    ///< that is being extracted
   int FinalLevel = 0;   ///< the level without which the surface is not final
   int FittingLevel = 0; ///< the finest level that fits into memory
-  double Share = 0;     ///< of the work that is done, 0 to 1
+  double Share =
+    0; ///< of the work that is done, 0 to 1; negative: an index waits for a larger budget
   double Triangles = 0; ///< of the next level, estimated, of all ranks
   double Bytes = 0;     ///< of memory that these need on a rank; of an index: that were fetched
   double FreeBytes =

@@ -28,7 +28,8 @@ struct ChunkDecoding
 {
   std::uint64_t MemoryBytes = 0; ///< for decoded chunks, and for what threads take
   int Threads = 1;
-  /// As long as it is true, chunks that are decoded go to the cache of the process, too; null: never.
+  /// As long as it is true, chunks that are decoded go to the cache of the process, too; null: never. It is asked for
+  /// each of them, and may wait.
   std::function<bool()> IsShared{};
   /// All that is read, by one Read(); empty: all is read, slab by slab.
   VertexBox Part{};

@@ -8,7 +8,9 @@
 #include "Storage/Store/StoredBlockSource.h"
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
+#include <thread>
 #include <utility>
 
 namespace isosurface
@@ -17,13 +19,16 @@ namespace isosurface
 class FinishedLayers::Blocks : public BlockSource
 {
 public:
+  /// `box`: what they are cut to.
   Blocks(const BlockedVolumeHeader& header, std::size_t variable,
-    std::vector<std::size_t> attributes, std::vector<std::int64_t> blocks, ReadComponents read)
+    std::vector<std::size_t> attributes, std::vector<std::int64_t> blocks, const VertexBox& box,
+    ReadComponents read)
     : Grid(header.GetBlockGrid())
     , Variables(header.GetVariables())
     , VariableNumber(variable)
     , Attributes(std::move(attributes))
     , Numbers(std::move(blocks))
+    , Box(box)
     , Read(std::move(read))
   {
   }
@@ -35,7 +40,7 @@ public:
   }
   VertexBox GetVertices(std::size_t block) const override
   {
-    return this->Grid.GetVertices(this->Numbers[block]);
+    return this->Grid.GetVertices(this->Numbers[block]).Intersect(this->Box);
   }
   ValueType GetValueType() const override { return this->Variables[this->VariableNumber].Type; }
 
@@ -70,27 +75,47 @@ private:
   const std::size_t VariableNumber;
   const std::vector<std::size_t> Attributes; ///< arrays
   const std::vector<std::int64_t> Numbers;   ///< of blocks
+  const VertexBox Box;
   const ReadComponents Read;
 };
 
-FinishedLayers::FinishedLayers(
-  FileSystem& files, VolumeOpener opener, std::string path, const GridPlace& place)
+FinishedLayers::FinishedLayers(FileSystem& files, VolumeOpener opener, std::string path,
+  const GridPlace& place, std::function<bool()> mayRead)
   : Files(files)
   , Opener(opener)
   , Path(std::move(path))
   , Place(place)
+  , MayReadBoxes(std::move(mayRead))
 {
+}
+
+void FinishedLayers::Begin(const BlockedVolumeHeader& planned)
+{
+  this->Header = planned;
+  // The sample, which is shown before, has told of an impossible one.
+  static_cast<void>(this->Place.Apply(this->Path, planned.Lines.has_value(), this->Header.Grid));
+  this->Grid = planned.GetBlockGrid();
+  this->HasBegun = true;
+}
+
+void FinishedLayers::LookAlong(const Sight& sight)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->Sighted = sight;
+}
+
+std::optional<Sight> FinishedLayers::GetSight() const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  return this->Sighted;
 }
 
 void FinishedLayers::Add(const BlockedVolumeHeader& volume, FinishedBlocks blocks)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  if (this->Ranges.empty())
+  if (this->Ranges.empty() && !this->HasBegun)
   {
-    this->Header = volume;
-    // The sample, which is shown before, has told of an impossible one.
-    static_cast<void>(this->Place.Apply(this->Path, volume.Lines.has_value(), this->Header.Grid));
-    this->Grid = volume.GetBlockGrid();
+    this->Begin(volume);
   }
   for (auto& [folder, entries] : blocks.Records)
   {
@@ -134,14 +159,14 @@ Status FinishedLayers::OpenSamples()
 }
 
 Result<DecodedBlocks> FinishedLayers::Gather(
-  std::int64_t block, std::size_t first, std::size_t count) const
+  std::int64_t block, std::size_t first, std::size_t count, const VertexBox* part) const
 {
   DecodedBlocks blocks;
   QueryStatistics statistics;
   for (std::size_t component = first; component < first + count; ++component)
   {
     ISOSURFACE_ASSIGN_OR_RETURN(
-      auto read, this->Samples->ReadBlock(component, this->Grid, block, 0, statistics));
+      auto read, this->Samples->ReadBlock(component, this->Grid, block, 0, statistics, part));
     blocks.push_back(std::move(read));
   }
   return blocks;
@@ -243,8 +268,86 @@ Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBlocks(const BlockQuery
   {
     ISOSURFACE_ASSIGN_OR_RETURN(read, this->OpenRecords(blocks));
   }
-  return std::unique_ptr<BlockSource>(std::make_unique<Blocks>(
-    this->Header, query.Variable, attributes, std::move(blocks), std::move(read)));
+  return std::unique_ptr<BlockSource>(
+    std::make_unique<Blocks>(this->Header, query.Variable, attributes, std::move(blocks),
+      VertexBox{ { 0, 0, 0 }, this->Grid.GetDimensions() }, std::move(read)));
+}
+
+std::vector<std::int64_t> FinishedLayers::SelectBlocksIn(
+  const BlockQuery& query, const VertexBox& box) const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const std::vector<ValueKey> thresholds =
+    FindThresholdKeys(this->Header.GetVariables()[query.Variable].Type, query.Isovalues);
+  BlockSelection selection = query.Selection;
+  selection.Lines = this->Header.Lines ? &*this->Header.Lines : nullptr;
+  const std::size_t known = this->Ranges.empty() ? 0 : this->Ranges[query.Variable].size();
+  const std::int64_t side = this->Grid.GetBlockSize();
+  VertexBox wanted; // blocks, by their coordinates
+  for (std::size_t axis = 0; axis < 3; ++axis)
+  {
+    wanted.Low[axis] = box.Low[axis] / side;
+    wanted.High[axis] = (box.High[axis] - 2) / side + 1;
+  }
+  std::vector<std::int64_t> blocks;
+  VisitVertices(wanted,
+    [&](const Index3& coordinates)
+    {
+      const std::int64_t block = this->Grid.GetBlockIndex(coordinates);
+      const auto number = static_cast<std::size_t>(block);
+      const bool isActive = number >= known ||
+        std::any_of(thresholds.begin(), thresholds.end(),
+          [&](ValueKey threshold)
+          { return this->Ranges[query.Variable][number].Straddles(threshold); });
+      if (selection.Selects(this->Header.Grid, this->Grid.GetVertices(block), isActive))
+      {
+        blocks.push_back(block);
+      }
+    });
+  return blocks;
+}
+
+void FinishedLayers::WaitForBoxes() const
+{
+  constexpr std::chrono::milliseconds pause{ 5 };
+  while (this->ReadBoxes > 0)
+  {
+    std::this_thread::sleep_for(pause);
+  }
+}
+
+Result<std::unique_ptr<BlockSource>> FinishedLayers::FindBox(const BlockQuery& query,
+  const std::vector<std::size_t>& attributes, const VertexBox& box, std::size_t part,
+  std::size_t parts, int threads)
+{
+  const std::vector<std::int64_t> all = this->SelectBlocksIn(query, box);
+  ISOSURFACE_RETURN_IF_ERROR(this->OpenSamples());
+  const auto find = [&](std::size_t place)
+  { return all.begin() + static_cast<std::ptrdiff_t>(all.size() * place / parts); };
+  std::vector<std::int64_t> blocks(find(part), find(part + 1));
+  if (!blocks.empty())
+  {
+    const auto end = +[](std::atomic<int>* count) { --*count; };
+    ++this->ReadBoxes;
+    const std::unique_ptr<std::atomic<int>, decltype(end)> reading(&this->ReadBoxes, end);
+    VertexBox mine = this->Grid.GetVertices(blocks.front());
+    for (const std::int64_t block : blocks)
+    {
+      mine.Extend(this->Grid.GetVertices(block));
+    }
+    mine = mine.AddLayer(box).Intersect(box);
+    const ArrayVariables variables = this->Header.GetVariables();
+    std::vector<std::size_t> arrays = attributes;
+    arrays.push_back(variables[query.Variable].Array);
+    for (const std::size_t array : arrays)
+    {
+      ISOSURFACE_RETURN_IF_ERROR(this->Samples->Decode(variables.GetFirst(array), mine, threads));
+    }
+  }
+  return std::unique_ptr<BlockSource>(
+    std::make_unique<Blocks>(this->Header, query.Variable, attributes, std::move(blocks), box,
+      [this, box](std::int64_t block, std::size_t first, std::size_t count)
+      { return this->Gather(block, first, count, &box); }));
 }
 
 } // namespace isosurface

@@ -312,9 +312,11 @@ Status SourceSamples::Read(
 }
 
 Result<std::shared_ptr<DecodedBlock>> SourceSamples::ReadBlock(std::size_t component,
-  const BlockGrid& grid, std::int64_t block, std::size_t front, QueryStatistics& statistics)
+  const BlockGrid& grid, std::int64_t block, std::size_t front, QueryStatistics& statistics,
+  const VertexBox* part)
 {
-  const VertexBox box = grid.GetGhostedVertices(block, 0);
+  const VertexBox& known = part ? *part : this->Box;
+  const VertexBox box = grid.GetGhostedVertices(block, 0).Intersect(known);
   const ValueType type = this->GetType(component);
   auto read = std::make_shared<DecodedBlock>();
   read->Block = block;
@@ -322,7 +324,7 @@ Result<std::shared_ptr<DecodedBlock>> SourceSamples::ReadBlock(std::size_t compo
     front + static_cast<std::size_t>(box.GetNumberOfVertices()) * GetValueSize(type));
   std::uint8_t* samples = read->Bytes.GetData() + front;
   read->View = MakeSampleView(type, box, samples);
-  read->View.Box = grid.GetVertices(block);
+  read->View.Box = grid.GetVertices(block).Intersect(known);
   ISOSURFACE_RETURN_IF_ERROR(this->Read(component, box, samples, statistics));
   return read;
 }

@@ -65,9 +65,11 @@ public:
   Status Read(
     std::size_t component, const VertexBox& box, std::uint8_t* to, QueryStatistics& statistics);
 
-  /// The samples of a component in a block of level 0, behind `front` bytes that are left free.
+  /// The samples of a component in a block of level 0, behind `front` bytes that are left free. `part`: no
+  /// others are read, not even of the ghost layer; null: all.
   Result<std::shared_ptr<DecodedBlock>> ReadBlock(std::size_t component, const BlockGrid& grid,
-    std::int64_t block, std::size_t front, QueryStatistics& statistics);
+    std::int64_t block, std::size_t front, QueryStatistics& statistics,
+    const VertexBox* part = nullptr);
 
   /// Decodes the chunks of a component that a box needs and that are not in the cache, each by one of so
   /// many threads.
