@@ -11,7 +11,9 @@ import os
 import re
 import socket
 import socketserver
+import subprocess
 import sys
+import tempfile
 import threading
 import time
 import urllib.parse
@@ -194,6 +196,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
 
 if __name__ == "__main__":
-    server = Server(sys.argv[1])
-    print(server.url, flush=True)
-    sys.stdin.read()  # until whoever started it ends, or closes it
+    if len(sys.argv) == 2:
+        print(Server(sys.argv[1]).url, flush=True)
+        sys.stdin.read()  # until whoever started it ends, or closes it
+    else:  # FOLDER COMMAND...: for a program whose proxy it is, with an empty cache
+        with tempfile.TemporaryDirectory() as cache:
+            given = {"http_proxy": Server(sys.argv[1], latency=0.02).url, "SCALABLE_ISOSURFACE_CACHE": cache}
+            sys.exit(subprocess.call(sys.argv[2:], env={**os.environ, **given, "AWS_SECRET_ACCESS_KEY": SECRET}))
