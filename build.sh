@@ -54,7 +54,7 @@ compile() { # preset, targets
 
 run_tests() { # preset
   say "Running the tests of build/$1"
-  ctest --preset "$1" -j 5 # on two cores: windows and ranks wait for each other
+  ctest --preset "$1" -j 4 # on two cores: windows and ranks wait for each other
 }
 
 case "${1:-}" in

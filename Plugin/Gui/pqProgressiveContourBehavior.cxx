@@ -418,6 +418,8 @@ bool pqProgressiveContourBehavior::AdvanceOne(Watched& watched, bool& keep)
         {
           this->BoundsBefore[contour->GetGlobalID()] = pqIndexStatus::FindBounds(watched.Source);
         }
+        vtkLogF(1, "%s: level %d was shown until the exact result was there",
+          contour->GetLogNameOrDefault(), isosurface::ReadLevel(contour));
         contour->InvokeCommand("Refine");
       }
       return !keep;

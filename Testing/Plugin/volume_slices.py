@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What GuiSlice.xml saved right after a change is the exact slice."""
+"""What GuiSlice.xml showed was coarse at first, and what it saved right after a change is the exact slice."""
 from paraview import servermanager, simple
 
 import plugin_testing as testing
@@ -9,6 +9,9 @@ class SavedSlice(testing.TestCase):
     def test_nothing_was_wrong_when_coarse_slices_took_the_place_of_exact_ones(self):
         errors = [line for line in testing.read_window_log().splitlines() if "ERR|" in line]
         self.assertEqual(errors, [])
+
+    def test_slices_were_coarse_first(self):
+        self.assertGreaterEqual(testing.read_window_log().count("VolumeSlice1: level 2 was shown until"), 2)
 
     def test_saved_slice_is_exact(self):
         saved = simple.XMLImageDataReader(FileName=[testing.state("saved.vti")])
