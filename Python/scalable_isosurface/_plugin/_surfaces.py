@@ -85,6 +85,10 @@ class Consumer(Algorithm):
                     return unit
         return ""
 
+    def GetShare(self):
+        """Of the volume: charts of samples are those of the plugin in C++."""
+        return 1.0
+
     def GetProposal(self):
         """An isovalue to begin with; NaN if there is none."""
         reader = self.find_reader()
