@@ -522,9 +522,9 @@ int vtkInPlaceVolumeReader::RequestData(
 
 std::size_t vtkInPlaceVolumeReader::FindStep(vtkInformation* outInfo) const
 {
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  const bool isAsked = outInfo->Has(Pipeline::UPDATE_TIME_STEP());
-  const double time = isAsked ? outInfo->Get(Pipeline::UPDATE_TIME_STEP()) : 0;
+  vtkInformationDoubleKey* const key = vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP();
+  const bool isAsked = outInfo->Has(key);
+  const double time = isAsked ? outInfo->Get(key) : 0;
   std::size_t found = 0;
   for (std::size_t step = 0; isAsked && step < this->SourceTimes.size(); ++step)
   {

@@ -33,9 +33,8 @@ class FinishedLayers;
  * One rank keeps an index that it cannot write to its place in memory, if it is smaller than that of
  * writing it may be.
  *
- * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished), and of boxes before
- * that. If it is a coarse one of all of
- * an address, a finer one is fetched first, as fine as some seconds allow.
+ * Where there is a sample, surfaces can be extracted of what is indexed (GetFinished), and of boxes before that. If
+ * the sample is a coarse one of all of an address, a finer one is fetched first, as fine as some seconds allow.
  * If the budget is far too small for the volume, boxes alone are read until it is raised, or the end is waited for.
  *
  * The destructor stops the writing. Then an older index stays as it was, and what is written of this

@@ -562,7 +562,7 @@ class Volume:
         path, axes, folder, threads, region, place = self._opened.how
         path = path if "://" in path else os.path.abspath(path)
         how = path, axes, folder and os.path.abspath(folder), threads, region, place
-        return _reopen, (*how, self.name, self._step, self._level)
+        return _reopen, (how, self.name, self._step, self._level)
 
 
 def open_volume(
@@ -579,19 +579,9 @@ def open_volume(
     return volume.at(step)
 
 
-def _reopen(
-    path: str,
-    axes: str,
-    index_folder: str,
-    threads: Optional[int],
-    region: Optional[Sequence[float]],
-    place: Mapping[str, Any],
-    name: str,
-    step: int,
-    level: int,
-) -> Volume:
+def _reopen(how: Tuple[Any, ...], name: str, step: int, level: int) -> Volume:
     """A volume that was pickled, of a file that may be another one by now."""
-    return open_volume(path, step, axes, index_folder, threads, region, place).array(name).level(level)
+    return Volume(_Opened(*how), 0, 0, 0).at(step).array(name).level(level)
 
 
 def list_isovalues(isovalue: Any) -> Sequence[float]:

@@ -252,7 +252,7 @@ void GrowingField::Forget()
 
 Status GrowingField::Extract(Communicator& ranks, int level, ExtractionOutcome& outcome)
 {
-  const Part part = this->Layers ? this->Layers->Shown : Part();
+  const ExactPart part = this->Layers ? this->Layers->Shown : ExactPart();
   const Status status = part.Number > 0
     ? this->Take(level, part.Number, this->MakeExtraction(part), outcome)
     : this->StoredField::Extract(ranks, level, outcome);
@@ -260,7 +260,7 @@ Status GrowingField::Extract(Communicator& ranks, int level, ExtractionOutcome& 
   return status;
 }
 
-StoredField::Extraction GrowingField::MakeExtraction(const Part& part) const
+StoredField::Extraction GrowingField::MakeExtraction(const ExactPart& part) const
 {
   return [layers = this->Layers->Finished, part](
            const ExtractionTask& task, int level, ExtractionOutcome& outcome)
@@ -405,7 +405,7 @@ std::optional<SightedBox> GrowingField::FindNextBox(Communicator& ranks)
   return std::nullopt;
 }
 
-double GrowingField::FindShare(const Part& part) const
+double GrowingField::FindShare(const ExactPart& part) const
 {
   const Index3 size = this->Layers->Finished->GetHeader().Grid.GetDimensions();
   const auto layer = static_cast<double>(size[0] * size[1]);

@@ -44,7 +44,7 @@ private:
   using Clock = std::chrono::steady_clock;
 
   /// What is exact.
-  struct Part
+  struct ExactPart
   {
     std::int64_t Number = 0; ///< each has another one
     std::int64_t Slices = 0; ///< of cells, from the first one on
@@ -74,8 +74,8 @@ private:
 
     const std::shared_ptr<FinishedLayers> Finished;
     bool AreShown = false;
-    Part Shown;
-    Part Next; ///< that of the prepared surface
+    ExactPart Shown;
+    ExactPart Next; ///< that of the prepared surface
     std::optional<Look> Sighted;
     Clock::time_point Begin; ///< when extracting it began
     Clock::time_point Due;   ///< before which the next one does not begin
@@ -84,7 +84,7 @@ private:
   };
 
   /// Extracts a part exactly, and of the sample only the cells beyond it.
-  Extraction MakeExtraction(const Part& part) const;
+  Extraction MakeExtraction(const ExactPart& part) const;
   /// Keeps some points of a surface, to find what is looked at.
   void KeepPoints(const Surface& surface);
   /// How far the first point of the surface near the middle of a view is. Collective.
@@ -93,7 +93,7 @@ private:
   std::optional<SightedBox> FindNextBox(Communicator& ranks);
   /// Begins to extract what Growth::Next says. Collective.
   void PrepareNext(Communicator& ranks);
-  double FindShare(const Part& part) const;
+  double FindShare(const ExactPart& part) const;
   /// How many slices of exact layers the surface is to have, and its triangles. Collective.
   std::int64_t ChooseSlices(Communicator& ranks, std::int64_t finished, std::size_t triangles,
     Refinement& refinement) const;
